@@ -45,6 +45,52 @@ std::vector<double> SharesOf(const std::vector<float>& values, const Bounds& bou
   return shares;
 }
 
+// Around a plot, px.
+constexpr double kMargin = 56;
+
+std::string TextSvg(cv::Point2d at, const std::string& text, const char* attributes = "") {
+  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>", at.x, at.y, attributes,
+                     EscapedHtml(text));
+}
+
+std::string AxesSvg(const LinePlot& plot, cv::Point2d corner) {
+  constexpr const char* kMiddle = "text-anchor=\"middle\"";
+  const cv::Size2d size = plot.size;
+  std::string svg = fmt::format(
+      "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" stroke=\"#888\"/>",
+      corner.x, corner.y, size.width, size.height);
+  for (const double share : {0.0, 0.5, 1.0}) {
+    svg += TextSvg(corner + cv::Point2d(share * size.width, size.height + 16),
+                   fmt::format("{:.4g}", share * plot.right), kMiddle) +
+           TextSvg(corner + cv::Point2d(-6, (1 - share) * size.height + 4),
+                   fmt::format("{:.4g}", share * plot.top), "text-anchor=\"end\"");
+  }
+  return svg + TextSvg(corner + cv::Point2d(0, -30), plot.title, "font-size=\"15\"") +
+         TextSvg(corner + cv::Point2d(0, -8), plot.up) +
+         TextSvg(corner + cv::Point2d(size.width / 2, size.height + 34), plot.along, kMiddle);
+}
+
+std::string PlotSvg(const LinePlot& plot, cv::Point2d corner) {
+  std::string svg = AxesSvg(plot, corner);
+  double name_x = 0;
+  for (const LinePlot::Line& line : plot.lines) {
+    std::string points;
+    for (const cv::Point2d& point : line.points) {
+      if (!std::isfinite(point.y)) continue;
+      points += fmt::format("{}{:.1f},{:.1f}", points.empty() ? "" : " ",
+                            corner.x + std::min(point.x / plot.right, 1.0) * plot.size.width,
+                            corner.y + (1 - std::min(point.y / plot.top, 1.0)) * plot.size.height);
+    }
+    svg += fmt::format("<polyline stroke=\"{}\" stroke-width=\"{}\"{} points=\"{}\"/>", line.color,
+                       line.width, line.dashed ? " stroke-dasharray=\"5 4\"" : "", points);
+    if (line.name.empty()) continue;
+    svg += TextSvg(corner + cv::Point2d(name_x, plot.size.height + 34), line.name,
+                   fmt::format("fill=\"{}\"", line.color).c_str());
+    name_x += 70;
+  }
+  return svg + "\n";
+}
+
 }  // namespace
 
 std::string HistogramSvg(const std::string& title, const std::vector<float>& a,
@@ -101,6 +147,26 @@ std::string StripSvg(const std::vector<float>& values, double top) {
       "<svg class=\"strip\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\">"
       "<polygon points=\"0,{1} {2}{0},{1}\"/></svg>",
       kSteps, kStripHeight, points);
+}
+
+std::string PlotsSvg(const std::vector<std::vector<LinePlot>>& rows) {
+  std::string plots;
+  cv::Size2d all(0, 0);
+  for (const std::vector<LinePlot>& row : rows) {
+    cv::Size2d used(0, 0);
+    for (const LinePlot& plot : row) {
+      plots += PlotSvg(plot, {used.width + kMargin, all.height + kMargin});
+      used.width += plot.size.width + 2 * kMargin;
+      used.height = std::max(used.height, plot.size.height + 2 * kMargin);
+    }
+    all = {std::max(all.width, used.width), all.height + used.height};
+  }
+  return fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
+      "viewBox=\"0 0 {0:.0f} {1:.0f}\" font-family=\"sans-serif\" font-size=\"12\">\n"
+      "<style>rect, polyline {{ fill: none }}</style>\n"
+      "<rect style=\"fill: #fff\" width=\"{0:.0f}\" height=\"{1:.0f}\"/>\n{2}</svg>\n",
+      all.width, all.height, plots);
 }
 
 }  // namespace sprout

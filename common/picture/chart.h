@@ -1,6 +1,7 @@
 #ifndef SPROUT_COMMON_PICTURE_CHART_H_
 #define SPROUT_COMMON_PICTURE_CHART_H_
 
+#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,25 @@ std::string HistogramSvg(const std::string& title, const std::vector<float>& a,
 /// A value along a log as an inline SVG of the height of a line of text: the largest of each
 /// stretch. @param top  value at the upper edge, > 0. O(n).
 std::string StripSvg(const std::vector<float>& values, double top);
+
+/// Lines over two axes from 0 on.
+struct LinePlot {
+  struct Line {
+    std::vector<cv::Point2d> points;  ///< beyond an axis: at its end; without a finite y: left out
+    const char* color = "#bbb";
+    double width = 1;  ///< px
+    bool dashed = false;
+    std::string name = {};  ///< below the plot, in the line's colour
+  };
+  std::string title;
+  std::string along, up;         ///< names of the axes
+  double right = 1, top = 1;     ///< numbers at the ends of the axes, > 0
+  std::vector<Line> lines;       ///< later ones over earlier ones
+  cv::Size2d size = {260, 260};  ///< between the axes, px
+};
+
+/// Rows of plots as the text of an SVG file. O(points).
+std::string PlotsSvg(const std::vector<std::vector<LinePlot>>& rows);
 
 }  // namespace sprout
 

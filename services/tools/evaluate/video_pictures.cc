@@ -11,7 +11,7 @@
 #include "common/core/image.h"
 #include "common/core/output_file.h"
 #include "common/measure/score.h"
-#include "common/picture/html.h"
+#include "common/picture/chart.h"
 #include "common/picture/picture.h"
 #include "common/picture/write_image.h"
 
@@ -41,39 +41,24 @@ double BadPercent(const cv::Mat1f& map, const cv::Mat1f& truth, const cv::Mat1b&
 }
 
 // A line for each map, over the numbers of the frames.
-std::string PlotSvg(const std::string& title, const std::array<std::vector<double>, 3>& lines) {
-  constexpr double kWidth = 480, kHeight = 200, kLeft = 44, kTop = 22, kBottom = 24;
-  double top = 0;
-  for (const auto& line : lines) {
-    for (const double value : line) top = std::max(top, value);  // not for NaN
-  }
-  if (top == 0) top = 1;
-  const auto frames = static_cast<double>(std::max<size_t>(2, lines[0].size()) - 1);
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} "
-      "{1}\" "
-      "font-family=\"sans-serif\" font-size=\"11\"><rect width=\"{0}\" height=\"{1}\" "
-      "fill=\"#fff\"/>"
-      "<text x=\"4\" y=\"13\">{2}: bad 3, %</text><text x=\"4\" y=\"{3:.0f}\">{4:.1f}</text>"
-      "<text x=\"4\" y=\"{5:.0f}\">0</text><text x=\"{6:.0f}\" y=\"{7:.0f}\">frame "
-      "{8:.0f}</text>\n",
-      kWidth, kHeight, EscapedHtml(title), kTop + 8, top, kHeight - kBottom, kWidth - 70,
-      kHeight - 6, frames);
+LinePlot PlotOf(const std::string& title, const std::array<std::vector<double>, 3>& lines) {
+  LinePlot plot = {.title = title,
+                   .along = "frame",
+                   .up = "bad 3, %",
+                   .right = static_cast<double>(std::max<size_t>(2, lines[0].size()) - 1),
+                   .top = 0,
+                   .lines = {},
+                   .size = {480, 200}};
   for (size_t i = 0; i < lines.size(); ++i) {
-    std::string points;
+    LinePlot::Line line = {.points = {}, .color = kLineColors[i], .name = kVideoMapNames[i]};
     for (size_t k = 0; k < lines[i].size(); ++k) {
-      if (std::isnan(lines[i][k])) continue;
-      points += fmt::format("{:.1f},{:.1f} ",
-                            kLeft + (kWidth - kLeft - 8) * static_cast<double>(k) / frames,
-                            kHeight - kBottom - (kHeight - kBottom - kTop) * lines[i][k] / top);
+      line.points.emplace_back(static_cast<double>(k), lines[i][k]);
+      plot.top = std::max(plot.top, lines[i][k]);  // not for NaN
     }
-    svg += fmt::format(
-        "<polyline fill=\"none\" stroke=\"{0}\" stroke-width=\"1.5\" points=\"{1}\"/>"
-        "<text x=\"{2}\" y=\"{3:.0f}\" fill=\"{0}\">{4}</text>\n",
-        kLineColors[i], points, kLeft + 70 * static_cast<double>(i), kHeight - 6,
-        kVideoMapNames[i]);
+    plot.lines.push_back(std::move(line));
   }
-  return svg + "</svg>\n";
+  if (plot.top == 0) plot.top = 1;
+  return plot;
 }
 
 }  // namespace
@@ -104,7 +89,7 @@ void VideoPictures::Write(const std::filesystem::path& folder) const {
   titles.insert(titles.end(), kVideoMapNames.begin(), kVideoMapNames.end());
   check(WritePng(folder / (name + "_strip.png"), Figure(titles, rows_)));
   OutputFile plot(folder / (name + ".svg"));
-  plot.Write(PlotSvg(source_, bad3_percent_));
+  plot.Write(PlotsSvg({{PlotOf(source_, bad3_percent_)}}));
   check(plot.Commit());
 }
 

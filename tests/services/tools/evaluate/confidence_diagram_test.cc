@@ -43,13 +43,13 @@ size_t CountParts(const std::string& text, const std::string& part) {
 TEST(ConfidenceSvg, DrawsTheMeanOfTheScenes) {
   const std::string svg = ConfidenceSvg(
       {SceneWith("a", {ResultOf("sprout", 4, 60)}), SceneWith("b", {ResultOf("sprout", 8, 100)})});
-  EXPECT_EQ(CountParts(svg, "class=\"scene\""), 4U);
-  EXPECT_EQ(CountParts(svg, "class=\"mean\""), 2U);
+  EXPECT_EQ(CountParts(svg, "stroke=\"#bbb\""), 4U);
+  EXPECT_EQ(CountParts(svg, "stroke-width=\"2.5\""), 2U);
   // Claimed 80 %, true 60 %: axes to 100. 56 + 0.8 · 260 and 56 + 0.4 · 260.
   EXPECT_THAT(svg, HasSubstr(" 264.0,160.0\"/>"));
   // Bad 1 of all 6 %: axis to 10, 56 + 0.4 · 260 at the right end.
   EXPECT_THAT(svg, HasSubstr(" 688.0,160.0\"/>"));
-  EXPECT_THAT(svg, HasSubstr("class=\"ideal\" points=\"56.0,316.0 316.0,56.0\""));
+  EXPECT_THAT(svg, HasSubstr("stroke-dasharray=\"5 4\" points=\"56.0,316.0 316.0,56.0\""));
   EXPECT_EQ(svg.rfind("</svg>\n"), svg.size() - 7);
 }
 
@@ -62,7 +62,7 @@ TEST(ConfidenceSvg, HasNoReliabilityOfWhatClaimsNoProbability) {
   const std::string svg = ConfidenceSvg({SceneWith("a", {rival, none})});
   EXPECT_THAT(svg, HasSubstr(">other</text>"));
   EXPECT_THAT(svg, Not(HasSubstr("a&lt;b")));
-  EXPECT_EQ(CountParts(svg, "class=\"mean\""), 1U);
+  EXPECT_EQ(CountParts(svg, "stroke-width=\"2.5\""), 1U);
   EXPECT_EQ(ConfidenceSvg({SceneWith("a", {none})}), "");
 }
 
