@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "common/core/quantile.h"
+#include "common/inputs/occlusion_order.h"
 
 namespace sprout::inputs {
 namespace {
@@ -25,11 +26,13 @@ struct PairRules {
   /// Parallax that row errors may cause, as a share of the largest of them: (1) is a pitch's and a
   /// roll's first order only.
   static constexpr double kParallaxOfRows = 0.1;
-  static constexpr double kSure = 5;           ///< standard deviations
-  static constexpr double kBehindPx = 1;       ///< a match is beyond infinity by more
-  static constexpr double kManyBehind = 0.9;   ///< share: of a swapped pair
-  static constexpr double kSomeBehind = 0.15;  ///< principal points that do not fit
-  static constexpr double kFewBehind = 0.05;   ///< false matches
+  static constexpr double kSure = 5;             ///< standard deviations
+  static constexpr double kBehindPx = 1;         ///< a match is beyond infinity by more
+  static constexpr double kManyBehind = 0.9;     ///< share: of a swapped pair
+  static constexpr double kSomeBehind = 0.15;    ///< principal points that do not fit
+  static constexpr double kFewBehind = 0.05;     ///< false matches
+  static constexpr double kFalseMatches = 0.02;  ///< share, of either end of the disparities
+  static constexpr double kSureOrder = 2;        ///< standard deviations: 2.3 to 7 were seen
   /// 12 bits in 16 without a shift use as many of 8.
   static constexpr double kFewLevels = 15;
 };
@@ -100,6 +103,29 @@ double ShareBehind(const std::vector<Match>& matches, double infinity_px, double
   return static_cast<double>(behind) / static_cast<double>(matches.size());
 }
 
+constexpr const char* kSwapped =
+    "left and right are swapped: give them the other way round (or tell the columns of the "
+    "principal "
+    "points: cx, cx_right)";
+
+// Where the principal points allow the disparities of either order.
+void JudgeOrder(const cv::Mat1b& left, const cv::Mat1b& right, const PairModel& model,
+                Finding& finding) {
+  std::vector<double> disparities;
+  for (const Match& match : model.inliers) disparities.push_back(match.disparity());
+  const double least = Quantile(disparities, PairRules::kFalseMatches);
+  const double most = Quantile(disparities, 1 - PairRules::kFalseMatches);
+  const OcclusionOrder order = FindOcclusionOrder(left, right, least, most);
+  if (order.sure < -PairRules::kSureOrder) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format("{}: what lies behind hides what lies before, by {:.1f} σ", kSwapped,
+                               -order.sure);
+  } else if (order.sure > PairRules::kSureOrder) {
+    finding.verdict = Verdict::kGood;
+    finding.text = fmt::format("what lies before hides what lies behind, by {:.1f} σ", order.sure);
+  }
+}
+
 Finding JudgeSides(const cv::Mat1b& left, const cv::Mat1b& right, const RectifiedPair& pair,
                    const PairModel& model, const RangeModel* ranges) {
   Finding finding{.question = Question::kSides};
@@ -121,10 +147,7 @@ Finding JudgeSides(const cv::Mat1b& left, const cv::Mat1b& right, const Rectifie
   } else if (ranges_say_swapped ||
              (behind > PairRules::kManyBehind && behind_if_swapped < PairRules::kFewBehind)) {
     finding.verdict = Verdict::kBad;
-    finding.text =
-        "left and right are swapped: give them the other way round (or tell the columns of the "
-        "principal "
-        "points: cx, cx_right)";
+    finding.text = kSwapped;
   } else if (behind > PairRules::kSomeBehind) {
     finding.verdict = Verdict::kBad;
     finding.text = fmt::format(
@@ -140,6 +163,7 @@ Finding JudgeSides(const cv::Mat1b& left, const cv::Mat1b& right, const Rectifie
         "{:.0f} ± {:.0f} % of the matches lie beyond infinity, {:.0f} % would with left and right "
         "swapped: too alike to tell",
         finding.value, finding.sigma, 100 * behind_if_swapped);
+    if (behind <= PairRules::kFewBehind) JudgeOrder(left, right, model, finding);
   }
   return finding;
 }

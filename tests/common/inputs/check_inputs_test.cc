@@ -94,8 +94,60 @@ TEST(CheckInputs, SaysByRangesThatSidesAreSwappedWherePrincipalPointsHideIt) {
   EXPECT_EQ(parts.Answer(Question::kSides).verdict, Verdict::kGood);
   std::swap(parts.left, parts.right);
   EXPECT_EQ(parts.Answer(Question::kSides).verdict, Verdict::kBad);
-  parts.tof = {};
-  EXPECT_EQ(parts.Answer(Question::kSides).verdict, Verdict::kCannotTell);
+}
+
+// Bright boards, of 30 px of disparity, before a dark wall of 12 px.
+Parts BoardsBeforeAWall() {
+  const cv::Size size(480, 360);
+  constexpr int kWall = 12, kBoard = 30, kWide = 600;
+  const auto texture = [&](int mean) {
+    cv::Mat1b pixels(size.height, kWide);
+    cv::RNG random(static_cast<uint64_t>(mean));
+    random.fill(pixels, cv::RNG::UNIFORM, mean - 40, mean + 40);
+    cv::GaussianBlur(pixels, pixels, {}, 1.2);
+    return pixels;
+  };
+  const cv::Mat1b wall = texture(70), board = texture(170);
+  Parts parts = {.left = cv::Mat1b(size), .right = cv::Mat1b(size), .tof = {}, .rig = {}};
+  wall(cv::Rect({kWall, 0}, size)).copyTo(parts.left);
+  wall(cv::Rect({2 * kWall, 0}, size)).copyTo(parts.right);
+  for (const int u : {60, 190, 330}) {
+    const cv::Rect place(u, 20 + u / 3, 80, 160);
+    board(place).copyTo(parts.left(place));
+    board(place).copyTo(parts.right(place - cv::Point(kBoard, 0)));
+  }
+  parts.rig.pair.width = size.width;
+  parts.rig.pair.height = size.height;
+  parts.rig.pair.focal_px = 400;
+  parts.rig.pair.baseline_m = 0.1;
+  parts.rig.pair.cx = 239.5;
+  parts.rig.pair.cx_right = 339.5;  // disparities from -100 on
+  parts.rig.pair.cy = 179.5;
+  return parts;
+}
+
+TEST(CheckInputs, SaysByWhatOccludesThatSidesAreSwappedWherePrincipalPointsHideIt) {
+  Parts parts = BoardsBeforeAWall();
+  const Finding right = parts.Answer(Question::kSides);
+  EXPECT_EQ(right.verdict, Verdict::kGood) << right.text;
+  std::swap(parts.left, parts.right);
+  const Finding swapped = parts.Answer(Question::kSides);
+  EXPECT_EQ(swapped.verdict, Verdict::kBad) << swapped.text;
+  EXPECT_THAT(swapped.text, HasSubstr("left and right are swapped"));
+  std::swap(parts.left, parts.right);
+  for (cv::Mat1b* image : {&parts.left, &parts.right}) cv::flip(*image, *image, 1);
+  EXPECT_EQ(parts.Answer(Question::kSides).verdict, Verdict::kBad);
+}
+
+// One plane: nothing occludes.
+TEST(CheckInputs, CannotTellSidesWherePrincipalPointsHideThemAndNothingOccludes) {
+  Parts parts = SceneOf("synthetic:640x480?tof=none");
+  cv::Mat1b moved;
+  cv::warpAffine(parts.left, moved, cv::Matx23d(1, 0, -20, 0, 1, 0), parts.left.size());
+  parts.right = moved;
+  parts.rig.pair.cx_right += 400;
+  const Finding finding = parts.Answer(Question::kSides);
+  EXPECT_EQ(finding.verdict, Verdict::kCannotTell) << finding.text;
 }
 
 TEST(CheckInputs, SaysThatOneFileIsGivenTwice) {
