@@ -1,4 +1,5 @@
-# Debian packages by CPack (scripts/package): sprout (programs, presets, units), libsprout0.2 (shared
+# Debian packages by CPack (scripts/package): sprout (programs, units), sprout-common (presets, which the
+# libraries and the Python module need, too, and nothing else of sprout's), libsprout0.2 (shared
 # libraries), python3-sprout, libsprout-dev and sprout-doc. Included last.
 #
 # What only a Debian package has, units, /etc/sprout and the like, is left out of `cmake --install`.
@@ -93,6 +94,8 @@ endif()
 configure_file("${debian}/changelog.in" "${generated}/changelog.Debian" @ONLY)
 set(overrides share/lintian/overrides)
 install(FILES "${debian}/lintian/sprout" DESTINATION ${overrides} ${package_only})
+install(FILES "${debian}/lintian/sprout-common" DESTINATION ${overrides} COMPONENT common
+        EXCLUDE_FROM_ALL)
 install(FILES "${debian}/lintian/sprout-doc" DESTINATION ${overrides} COMPONENT doc EXCLUDE_FROM_ALL)
 install(FILES "${debian}/lintian/libsprout" DESTINATION ${overrides} RENAME libsprout${soversion}
         COMPONENT libsprout EXCLUDE_FROM_ALL)
@@ -121,7 +124,7 @@ set(CPACK_SET_DESTDIR ON)
 set(CPACK_INSTALL_PREFIX /usr)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
     OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
-set(CPACK_COMPONENTS_ALL sprout libsprout dev doc)
+set(CPACK_COMPONENTS_ALL sprout common libsprout dev doc)
 if(TARGET sprout_python)
   list(APPEND CPACK_COMPONENTS_ALL python)
 endif()
@@ -142,7 +145,8 @@ set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(this_version "(= ${CPACK_DEBIAN_VERSION})")
 set(CPACK_DEBIAN_SPROUT_PACKAGE_NAME sprout)
 set(CPACK_DEBIAN_SPROUT_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_SPROUT_PACKAGE_DEPENDS "iproute2, init-system-helpers (>= 1.52)")
+set(CPACK_DEBIAN_SPROUT_PACKAGE_DEPENDS
+    "sprout-common ${this_version}, iproute2, init-system-helpers (>= 1.52)")
 set(CPACK_DEBIAN_SPROUT_PACKAGE_RECOMMENDS "liblcm-bin")
 set(CPACK_DEBIAN_SPROUT_PACKAGE_SUGGESTS "sprout-doc")
 set(CPACK_DEBIAN_SPROUT_PACKAGE_CONTROL_EXTRA
@@ -153,13 +157,21 @@ pair see becomes one depth map of the stereo pair's resolution: a graph of
 small processes that talk over LCM, kept running by systemd (sprout.target),
 and tools to calibrate, record, replay and evaluate.")
 
+set(CPACK_DEBIAN_COMMON_PACKAGE_NAME sprout-common)
+set(CPACK_DEBIAN_COMMON_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_COMMON_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_COMMON_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_COMPONENT_COMMON_DESCRIPTION
+    "Presets: the parameters that programs, libraries and the Python module of
+Sprout know by name.")
+
 set(CPACK_DEBIAN_LIBSPROUT_PACKAGE_NAME libsprout${soversion})
 set(CPACK_DEBIAN_LIBSPROUT_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_LIBSPROUT_PACKAGE_CONTROL_EXTRA "${debian}/libsprout/triggers")
-set(CPACK_DEBIAN_LIBSPROUT_PACKAGE_DEPENDS "sprout ${this_version}")
+set(CPACK_DEBIAN_LIBSPROUT_PACKAGE_DEPENDS "sprout-common ${this_version}")
 set(CPACK_COMPONENT_LIBSPROUT_DESCRIPTION
     "Shared libraries: the processing chain as one class, and a reader and writer
-of LCM logs. The presets that they read are in package sprout.")
+of LCM logs.")
 
 if(TARGET sprout_python)
   # The extension works with the one minor version of Python that it was built for.
@@ -167,7 +179,7 @@ if(TARGET sprout_python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-sprout)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
-    "sprout ${this_version}, python3 (>= 3.${Python_VERSION_MINOR}~), python3 (<< 3.${python_next}), python3-numpy"
+    "sprout-common ${this_version}, python3 (>= 3.${Python_VERSION_MINOR}~), python3 (<< 3.${python_next}), python3-numpy"
   )
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib, python3-open3d, sprout-doc")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${debian}/python/prerm")
