@@ -29,6 +29,8 @@ struct StageResult {
   /// How far the range sensor is off, as the images of this frame show it, one line for the status;
   /// empty: it is right; nothing: not known, or not looked for.
   std::optional<std::string> range_error = {};
+  /// Whether no range point was believed, since the sensor cannot be right; `degenerate` says why.
+  bool ranges_refused = false;
   /// A picture of the frame for people, 8UC3 (BGR), at most 16384 px a side; empty: none. It is not
   /// a part of the frame: no stage uses it.
   cv::Mat preview = {};

@@ -173,17 +173,6 @@ std::string SideText(double px, const char* less, const char* more) {
   return fmt::format("{:.0f} px further {}", std::abs(px), px > 0 ? more : less);
 }
 
-// What is seen on the left belongs further right, if the points fit when they are moved right.
-std::string ShiftText(const Agreement& shifted) {
-  const cv::Point2d& aside = shifted.aside_px;
-  std::string text;
-  if (std::abs(aside.x) >= 0.5) text = SideText(aside.x, "left", "right");
-  if (std::abs(aside.y) >= 0.5) {
-    text += (text.empty() ? "" : " and ") + SideText(aside.y, "up", "down");
-  }
-  return text;
-}
-
 Finding JudgePlace(const RangeModel& model) {
   Finding finding{.question = Question::kPlace};
   const Agreement& as_is = model.as_is;
@@ -201,7 +190,8 @@ Finding JudgePlace(const RangeModel& model) {
         "range points belong about {} in the left image (there {:.0f} % of them are within 1 % of "
         "stereo, where they are {:.0f} %): how does the range sensor lie in the rig? "
         "sprout-calibrate refine",
-        ShiftText(model.shifted), 100 * model.shifted.close_share(), 100 * as_is.close_share());
+        AsideText(model.shifted.aside_px), 100 * model.shifted.close_share(),
+        100 * as_is.close_share());
   } else if (as_is.compared >= RangeVerdicts::kFewCompared &&
              as_is.share() >= RangeVerdicts::kHalf && AreApart(as_is, model.turned)) {
     finding.verdict = Verdict::kGood;
@@ -283,6 +273,15 @@ Finding JudgeMoment(const RangeModel& model, bool is_explained) {
 }
 
 }  // namespace
+
+std::string AsideText(const cv::Point2d& move_px) {
+  std::string text;
+  if (std::abs(move_px.x) >= 0.5) text = SideText(move_px.x, "left", "right");
+  if (std::abs(move_px.y) >= 0.5) {
+    text += (text.empty() ? "" : " and ") + SideText(move_px.y, "up", "down");
+  }
+  return text;
+}
 
 Findings JudgeRanges(const RangeModel* ranges, bool pair_fits) {
   Findings findings;

@@ -1,6 +1,9 @@
 #ifndef SPROUT_COMMON_INPUTS_JUDGE_RANGES_H_
 #define SPROUT_COMMON_INPUTS_JUDGE_RANGES_H_
 
+#include <opencv2/core.hpp>
+#include <string>
+
 #include "common/inputs/findings.h"
 #include "common/inputs/range_model.h"
 
@@ -10,6 +13,10 @@ namespace sprout::inputs {
 /// @param ranges     null when there is no range image.
 /// @param pair_fits  whether nothing about the pair is bad; otherwise only kHits is answered.
 Findings JudgeRanges(const RangeModel* ranges, bool pair_fits);
+
+/// Where points belong that fit when they are moved so far in the left image, px: "4 px further
+/// left and 2 px further up".
+std::string AsideText(const cv::Point2d& move_px);
 
 }  // namespace sprout::inputs
 

@@ -60,6 +60,7 @@ ChainReport Chain::RunInGrey(Frame& frame, ChainObserver& observer, ChainStep la
     StageResult outcome = run(ChainStep::kRefine, [&] { return refine_.Process(frame); });
     report.tof_offset = outcome.tof_offset;
     report.range_error = outcome.range_error;
+    report.ranges_refused = outcome.ranges_refused;
     add("refine", std::move(outcome));
     observer.Refined(*frame.seeds, *frame.left_seeds);
   }

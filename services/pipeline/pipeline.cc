@@ -119,6 +119,7 @@ Result<DepthFrame> Pipeline::Compute(const cv::Mat& left, const cv::Mat& right, 
   ChainReport report = chain_->Run(frame, nobody);
   result.warnings = std::move(report.warnings);
   result.range_error = std::move(report.range_error).value_or("");
+  result.ranges_refused = report.ranges_refused;
   result.disparity = std::move(*frame.disparity);
   if (frame.fused) {
     result.fused = std::move(*frame.fused);

@@ -50,6 +50,7 @@ struct DepthFrame {
   /// How far the range sensor is off, as the images show it, one line; empty: it is right, or they
   /// do not show it.
   std::string range_error;
+  bool ranges_refused = false;  ///< no range point was believed; a warning says why
 };
 
 /// Which frame of a video a pipeline with memory gets.

@@ -1,5 +1,7 @@
 #include "services/refine/refine_adapter.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -9,6 +11,7 @@
 #include "common/core/image.h"
 #include "common/geometry/widened_frame.h"
 #include "common/inputs/check_inputs.h"
+#include "common/inputs/judge_ranges.h"
 #include "services/refine/range/range_text.h"
 
 namespace sprout::refine {
@@ -171,7 +174,15 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
                         : "none of " + std::to_string(seeds->raw) + " ToF points became a seed";
     if (finds_stereo_seeds_) outcome.degenerate += ", and stereo found none";
   }
-  if (refined.fits && refiner_.range_error().rejected) {
+  const SensorPlace& place = refiner_.sensor_place();
+  if (refined.fits && place.is_aside) {
+    AddLine(outcome,
+            fmt::format("range points belong about {} in the left image (there {:.0f} % of "
+                        "them agree with stereo, where they are {:.0f} %): none is "
+                        "believed",
+                        inputs::AsideText(place.move_px), 100 * place.agree_moved,
+                        100 * place.agree_as_is));
+  } else if (refined.fits && refiner_.range_error().rejected) {
     const auto percent = std::lround(100 * refiner_.range_error().contradicted_share);
     AddLine(outcome, "the images contradict the range points in " + std::to_string(percent) +
                          " % of the places where they could show it: none is believed");
@@ -181,6 +192,8 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
                          " range points differ from all around them, as noise does: none is "
                          "believed");
   }
+  outcome.ranges_refused =
+      refined.fits && (refiner_.range_error().rejected || refiner_.are_noise());
   outcome.tof_offset = OffsetOf(frame, refined.fits);
   if (refined.fits) outcome.range_error = RangeErrorText(refiner_.range_error());
   outcome.outputs.push_back({Part::kSeeds, std::move(*seeds)});

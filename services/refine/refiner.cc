@@ -62,6 +62,7 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   }
   tof_offset_ = {};
   range_error_ = {};
+  place_ = {};
   unanswered_cells_ = 0;
   are_noise_ = false;
   if (config_.align_tof() && !points_.empty()) {
@@ -73,7 +74,7 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   if (!points_.empty()) {
     surface_.Set(rig, points_);
     for (ProjectedPoint& point : points_) point.seed.sigma_px = 0;
-    if (config_.range_bias() != RefineConfig::OFF) MoveToTruth(left, right, rig, result);
+    if (config_.range_bias() != RefineConfig::OFF) MoveToTruth(left, right, tof, projector, result);
     noise_px_ =
         std::clamp(NoisePx(left, right), SurfaceRules::kMinSigmaPx, SurfaceRules::kMaxSigmaPx);
     for (ProjectedPoint& point : points_) {
@@ -88,8 +89,11 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   if (config_.stereo_seeds()) {
     const double spacing_px = points_.empty() ? 0 : surface_.spacing_px();
     const bool dense = !points_.empty() && !stereo_.IsCoarse(spacing_px, left.cols);
+    // A sensor that looks aside was found with all of them.
     const std::span<const Seed> stereo =
-        stereo_.Find(left, right, result.seeds, Covered(dense), spacing_px, zones_.most_px());
+        place_.is_aside
+            ? stereo_.found()
+            : stereo_.Find(left, right, result.seeds, Covered(dense), spacing_px, zones_.most_px());
     unanswered_cells_ = stereo_.unanswered();
     if (dense) result.contradicted += unsure_.Drop(grid, noise_px_, stereo, result.seeds);
     result.seeds.insert(result.seeds.end(), stereo.begin(), stereo.end());
@@ -99,8 +103,9 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
 }
 
 // Moves the points to where the images show them, and drops those that they contradict.
-void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig,
-                          SeedSet& result) {
+void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
+                          const TofProjector& projector, SeedSet& result) {
+  const Rig& rig = projector.rig();
   const RangeInput input{.left = left,
                          .right = right,
                          .rig = rig,
@@ -111,14 +116,44 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const R
       input,
       {.field = config_.range_bias() == RefineConfig::FIELD, .error_m = config_.range_error_m()},
       points_);
+  const bool aside = LooksAside(left, right, tof, projector);
+  if (aside) range_error_.rejected = true;
   size_t kept = 0;
   for (size_t i = 0; i < points_.size(); ++i) {
-    if (range_.contradicted()[i] == 0) points_[kept++] = points_[i];
+    if (!aside && range_.contradicted()[i] == 0) points_[kept++] = points_[i];
   }
   if (range_error_.moved_share == 0 && kept == points_.size()) return;
   result.contradicted += static_cast<int32_t>(points_.size() - kept);
   points_.resize(kept);
   surface_.Set(rig, points_);
+}
+
+// Whether stereo that knows nothing of the points shows that all belong elsewhere. Asked only where
+// much is wrong with them: first of coarse matches, which take a fifth of the time.
+bool Refiner::LooksAside(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
+                         const TofProjector& projector) {
+  const bool is_doubtful = range_error_.contradicted_share > RangeRules::kDoubtfulShare ||
+                           range_error_.far_moved_share > RangeRules::kDoubtfulMoves;
+  // Of coarse points the cells are too high to compare disparities in them.
+  if (!is_doubtful || range_error_.rejected || !config_.stereo_seeds() ||
+      stereo_.IsCoarse(surface_.spacing_px(), left.cols)) {
+    return false;
+  }
+  int behind = 0;
+  const std::vector<ProjectedPoint> raw = projector.Project(tof, behind);
+  const PlacedPoints points{.raw = raw,
+                            .corrected = points_,
+                            .spacing_px = {surface_.column_px(), surface_.row_px()},
+                            .image = left.size()};
+  double error_px = 0;
+  const std::span<const Seed> coarse = stereo_.FindCoarse(left, right, error_px);
+  if (!FindSensorPlace(points, coarse, RangeRules::kAgreePx + error_px, RangeRules::kFirstLook)
+           .is_aside) {
+    return false;
+  }
+  place_ = FindSensorPlace(points, stereo_.Find(left, right, {}, {}, 0, zones_.most_px()),
+                           RangeRules::kAgreePx);
+  return place_.is_aside;
 }
 
 // What zones say of a place is no correspondence to grow from.

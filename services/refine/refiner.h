@@ -14,6 +14,7 @@
 #include "common/geometry/projection.h"
 #include "services/refine/alignment/tof_alignment.h"
 #include "services/refine/range/range_bias.h"
+#include "services/refine/range/sensor_place.h"
 #include "services/refine/range/unsure_points.h"
 #include "services/refine/stereo/stereo_seeds.h"
 #include "services/refine/surface/background.h"
@@ -59,6 +60,10 @@ class Refiner {
   /// are.
   bool are_noise() const { return are_noise_; }
 
+  /// Where the sensor of the last call looks, if that was asked. If it is aside no point is
+  /// believed.
+  const SensorPlace& sensor_place() const { return place_; }
+
   /// Of the stereo seeds of the last call, see StereoSeedFinder.
   size_t unanswered_cells() const { return unanswered_cells_; }
   double ShareBelowZero(const cv::Mat1b& left, const cv::Mat1b& right, int columns) {
@@ -89,7 +94,10 @@ class Refiner {
               const TofImage& tof) const;
   void KeepReliable(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                     SeedSet& result);
-  void MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig, SeedSet& result);
+  void MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
+                   const TofProjector& projector, SeedSet& result);
+  bool LooksAside(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
+                  const TofProjector& projector);
   void DropNoise();
   double NoisePx(const cv::Mat1b& left, const cv::Mat1b& right);
   std::span<const cv::Point2f> Covered(bool dense);
@@ -107,6 +115,7 @@ class Refiner {
   TofSurface surface_;
   RangeBias range_;
   RangeError range_error_;
+  SensorPlace place_;
   UnsurePoints unsure_;
   double noise_px_ = 0;               // of the points
   std::vector<ProjectedPoint> kept_;  // first those whose window lies in both images

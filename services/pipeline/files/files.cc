@@ -98,6 +98,7 @@ struct Writing {
   fs::path folder;
   std::string line;       // to print when it is written
   std::string complaint;  // what is wrong with the pair; empty: nothing that can be told
+  bool is_wrong = false;  // it has a complaint, or `line` says that no range point is believed
   std::string motion;     // a row, of a pipeline with memory
   std::future<Result<void>> written;
 };
@@ -186,6 +187,7 @@ class FilesRun {
     writing.folder = folder;
     writing.line = LineOf(folder, depth, computed.ms);
     writing.complaint = std::move(computed.complaint);
+    writing.is_wrong = !writing.complaint.empty() || depth.ranges_refused;
     if (depth.motion) writing.motion = MotionRow(pair.left, *depth.motion);
     writing.written = std::async(
         std::launch::async, [this, folder, computed = std::move(computed)]() -> Result<void> {
@@ -204,8 +206,8 @@ class FilesRun {
     if (written) {
       motions_ += writing_->motion;
       std::cout << Printable(writing_->line) << std::endl;
+      if (writing_->is_wrong) ++wrong_;
       if (!writing_->complaint.empty()) {
-        ++wrong_;
         Say(writing_->left.string() + ": " + writing_->complaint);
       }
     } else {

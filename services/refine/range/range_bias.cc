@@ -139,7 +139,13 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
   nodes_.Set(input, points);
   const std::span<const RangeNode> nodes = nodes_.nodes();
   curve_.Estimate(nodes, pair);
-  error_.curve.assign(curve_.knots().begin(), curve_.knots().end());
+  for (const RangeKnot& knot : curve_.knots()) {
+    const double px_per_m = pair.focal_px * pair.baseline_m / (knot.depth_m * knot.depth_m);
+    error_.curve.push_back(
+        {.depth_m = knot.depth_m,
+         .error_m = knot.error_m,
+         .sigma_m = std::hypot(knot.sigma_m, RangeRules::kCurveSharedPx / px_per_m)});
+  }
   // What the data sheet says is all that is known where the images show nothing.
   const auto data_sheet_px = [&](double disparity) {
     const double depth_m = pair.DepthFromDisparity(disparity);

@@ -16,6 +16,8 @@ struct StereoRules {
   /// Images of so many pixels at most show whether disparities are negative. With a fourth of them
   /// one of their px is 16 of a 2 MP image, and Lampshade1's wall, at 5 px, seems to be there.
   static constexpr int kFewPixels = 128'000;
+  /// Of them, every so many rows and columns are matches of FindCoarse().
+  static constexpr int kCoarseStep = 6;
   /// Smallest side of a cell, px of the matched image.
   static constexpr double kMinSpacingPx = 4;
   /// The largest disparity is this part of the image width when stereo_max_disparity_px is 0. With

@@ -203,13 +203,38 @@ StereoMatcherSettings StereoSeedFinder::SettingsFor(int width, int columns) cons
           .most_pixels = config_.stereo_most_pixels()};
 }
 
-double StereoSeedFinder::ShareBelowZero(const cv::Mat1b& left, const cv::Mat1b& right,
-                                        int columns) {
+// The whole pair, halved until it has few pixels.
+const cv::Mat1f& StereoSeedFinder::MatchFew(const cv::Mat1b& left, const cv::Mat1b& right,
+                                            int columns) {
   StereoMatcherSettings settings = SettingsFor(left.cols, columns);
   settings.most_pixels = std::min(settings.most_pixels, StereoRules::kFewPixels);
   wanted_.create(left.size());
   wanted_ = 1;
-  const cv::Mat1f& map = matcher_.Match(left, right, wanted_, {}, settings);
+  return matcher_.Match(left, right, wanted_, {}, settings);
+}
+
+std::span<const Seed> StereoSeedFinder::FindCoarse(const cv::Mat1b& left, const cv::Mat1b& right,
+                                                   double& error_px) {
+  const cv::Mat1f& map = MatchFew(left, right, columns_);
+  const double scale = matcher_.scale();
+  error_px = scale / 2;
+  const auto px = [&](int at) { return static_cast<float>((at + 0.5) * scale - 0.5); };
+  seeds_.clear();
+  for (int v = 0; v < map.rows; v += StereoRules::kCoarseStep) {
+    for (int u = 0; u < map.cols; u += StereoRules::kCoarseStep) {
+      if (std::isnan(map(v, u))) continue;
+      seeds_.push_back({.u = px(u),
+                        .v = px(v),
+                        .u_right = px(u) - static_cast<float>(map(v, u) * scale),
+                        .origin = SeedOrigin::kStereo});
+    }
+  }
+  return seeds_;
+}
+
+double StereoSeedFinder::ShareBelowZero(const cv::Mat1b& left, const cv::Mat1b& right,
+                                        int columns) {
+  const cv::Mat1f& map = MatchFew(left, right, columns);
   const int known = cv::countNonZero(map == map);
   const double zero = static_cast<double>(columns) / matcher_.scale();
   const int below = cv::countNonZero(map < zero + 0.5);

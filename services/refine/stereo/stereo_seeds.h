@@ -39,8 +39,16 @@ class StereoSeedFinder {
                              std::span<const Seed> seeds, std::span<const cv::Point2f> covered,
                              double spacing_px, const cv::Mat1f& most_px = {});
 
+  /// The seeds of the last call.
+  std::span<const Seed> found() const { return seeds_; }
+
   /// How many cells of the last call wanted a seed and got none.
   size_t unanswered() const { return unanswered_; }
+
+  /// Matches of a few pixels, see kFewPixels, for a first look: positions and disparities are good
+  /// to about half a px of what they were matched on, `error_px`. A tenth of Find()'s time without
+  /// points; valid until the next call of any.
+  std::span<const Seed> FindCoarse(const cv::Mat1b& left, const cv::Mat1b& right, double& error_px);
 
   /// The share of matches whose disparity in the cameras' images is, or may be, negative, in a pair
   /// with so many more columns (see Widened()). Images are halved until they have kFewPixels; a
@@ -59,6 +67,7 @@ class StereoSeedFinder {
   bool IsCoarse(double spacing_px, int width) const;
 
  private:
+  const cv::Mat1f& MatchFew(const cv::Mat1b& left, const cv::Mat1b& right, int columns);
   StereoMatcherSettings SettingsFor(int width, int columns) const;
   void FindUncovered(const CellGrid& grid, std::span<const Seed> seeds,
                      std::span<const cv::Point2f> covered, double gap, double scale);

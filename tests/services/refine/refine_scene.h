@@ -63,6 +63,49 @@ inline Scene TexturedScene() {
   return scene;
 }
 
+// A wall at 12 px with two boxes before it, at 17 and 20 px, and a ToF camera in the left camera's
+// place that sees every fifth pixel.
+struct BoxScene : Scene {
+  static double DisparityAt(int u, int v) {
+    if (cv::Rect(60, 40, 90, 80).contains({u, v})) return 17;
+    if (cv::Rect(220, 140, 110, 90).contains({u, v})) return 20;
+    return 12;
+  }
+
+  // @param move_px  how far right of where they belong the points lie.
+  explicit BoxScene(int move_px = 0) {
+    constexpr int kStep = 5;
+    const cv::Size size(400, 300);
+    rig.pair.width = size.width;
+    rig.pair.height = size.height;
+    rig.pair.cx = rig.pair.cx_right = 200;
+    rig.pair.cy = 150;
+    rig.tof.width = size.width / kStep;
+    rig.tof.height = size.height / kStep;
+    rig.tof.fx = rig.tof.fy = rig.pair.focal_px / kStep;
+    rig.tof.cx = rig.pair.cx / kStep;
+    rig.tof.cy = rig.pair.cy / kStep;
+    left.create(size);
+    cv::RNG(5).fill(left, cv::RNG::UNIFORM, 0, 256);
+    cv::GaussianBlur(left, left, {}, 1);
+    right.create(size);
+    cv::RNG(6).fill(right, cv::RNG::UNIFORM, 0, 256);
+    for (const int disparity : {12, 17, 20}) {  // the nearest last
+      for (int v = 0; v < size.height; ++v) {
+        for (int u = disparity; u < size.width; ++u) {
+          if (DisparityAt(u, v) == disparity) right(v, u - disparity) = left(v, u);
+        }
+      }
+    }
+    tof.depth_m.create(rig.tof.height, rig.tof.width);
+    for (int j = 0; j < rig.tof.height; ++j) {
+      for (int i = 0; i < rig.tof.width; ++i) {
+        SetDisparity(i, j, DisparityAt(kStep * i - move_px, kStep * j));
+      }
+    }
+  }
+};
+
 }  // namespace sprout::refine
 
 #endif  // SPROUT_TESTS_SERVICES_REFINE_REFINE_SCENE_H_

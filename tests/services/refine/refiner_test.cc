@@ -288,6 +288,26 @@ TEST(Refiner, BelievesNoPointOfASensorThatGivesNoise) {
   EXPECT_FALSE(refiner.are_noise());
 }
 
+TEST(Refiner, BelievesNoPointOfASensorThatLooksAside) {
+  BoxScene scene(25);
+  Refiner refiner{RefineConfig()};
+  const auto seeds = refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig));
+  const SensorPlace& place = refiner.sensor_place();
+  EXPECT_TRUE(place.is_aside);
+  EXPECT_NEAR(place.move_px.x, -25, 8);
+  EXPECT_NEAR(place.move_px.y, 0, 8);
+  EXPECT_EQ(seeds->contradicted, seeds->raw - seeds->outside);
+  EXPECT_TRUE(refiner.left_seeds().seeds.empty());
+  scene.tof = {};
+  scene.rig.tof = {};
+  EXPECT_EQ(seeds->seeds, scene.Refine(RefineConfig())->seeds);
+  // The next frame is judged by itself.
+  const BoxScene right;
+  ASSERT_TRUE(refiner.Compute(right.left, right.right, right.tof, TofProjector(right.rig)));
+  EXPECT_FALSE(refiner.sensor_place().is_aside);
+  EXPECT_FALSE(refiner.range_error().rejected);
+}
+
 TEST(Refiner, PutsSeedsOfThePairBehindThoseOfTheTofCamera) {
   Scene scene = TexturedScene();
   for (int j = 0; j < 8; ++j) {

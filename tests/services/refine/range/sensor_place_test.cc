@@ -1,0 +1,101 @@
+#include "services/refine/range/sensor_place.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+namespace sprout::refine {
+namespace {
+
+const cv::Size kImage(600, 400);
+constexpr double kSpacingPx = 5;
+
+// A wall at 20 px, before it three boxes at 40 to 60 px.
+double BoxesPx(const cv::Point2d& at) {
+  if (cv::Rect2d(80, 60, 90, 120).contains(at)) return 60;
+  if (cv::Rect2d(300, 200, 120, 110).contains(at)) return 50;
+  if (cv::Rect2d(430, 70, 60, 80).contains(at)) return 40;
+  return 20 + 0.01 * at.x;
+}
+
+Seed SeedAt(double u, double v, double disparity) {
+  return {.u = static_cast<float>(u),
+          .v = static_cast<float>(v),
+          .u_right = static_cast<float>(u - disparity)};
+}
+
+// What stereo finds: a match every 8 px.
+std::vector<Seed> Matches() {
+  std::vector<Seed> matches;
+  for (double v = 4; v < kImage.height; v += 8) {
+    for (double u = 4; u < kImage.width; u += 8) matches.push_back(SeedAt(u, v, BoxesPx({u, v})));
+  }
+  return matches;
+}
+
+// The points of a sensor, as a function of their positions in the left image.
+std::vector<ProjectedPoint> Points(const std::function<double(const cv::Point2d&)>& disparity) {
+  std::vector<ProjectedPoint> points;
+  for (double v = 2; v < kImage.height; v += kSpacingPx) {
+    for (double u = 2; u < kImage.width; u += kSpacingPx) {
+      points.push_back({.seed = SeedAt(u, v, disparity({u, v}))});
+    }
+  }
+  return points;
+}
+
+SensorPlace Find(const std::vector<ProjectedPoint>& raw,
+                 const std::vector<ProjectedPoint>& corrected) {
+  return FindSensorPlace({raw, corrected, {kSpacingPx, kSpacingPx}, kImage}, Matches(), 2);
+}
+
+TEST(SensorPlace, IsRightForASensorThatLooksWhereItShould) {
+  const auto points = Points(BoxesPx);
+  const SensorPlace place = Find(points, points);
+  EXPECT_FALSE(place.is_aside);
+  EXPECT_GT(place.agree_as_is, 0.9);
+}
+
+TEST(SensorPlace, FindsWhereASensorLooksThatIsAside) {
+  for (const cv::Point2d& move_px : {cv::Point2d(24, 0), {-40, 30}, {0, -60}, {70, 20}}) {
+    const auto points = Points([&](const cv::Point2d& at) { return BoxesPx(at + move_px); });
+    const SensorPlace place = Find(points, points);
+    EXPECT_TRUE(place.is_aside) << move_px;
+    EXPECT_GT(place.agree_moved, 0.9) << move_px;
+    EXPECT_NEAR(place.move_px.x, move_px.x, 2 * kSpacingPx) << move_px;
+    EXPECT_NEAR(place.move_px.y, move_px.y, 2 * kSpacingPx) << move_px;
+  }
+}
+
+// Multi-path moves whole surfaces, and refinement takes that off; none of it is a place.
+TEST(SensorPlace, IsRightForASensorThatIsOffInDepthAndWasCorrected) {
+  const auto raw = Points([](const cv::Point2d& at) {
+    return BoxesPx(at) - 4 - 3 * std::exp(-((at.x - 300) * (at.x - 300)) / 5000);
+  });
+  const SensorPlace place = Find(raw, Points(BoxesPx));
+  EXPECT_FALSE(place.is_aside);
+}
+
+// No other place explains them better, so where they look cannot be told.
+TEST(SensorPlace, IsNotAsideForAnotherScene) {
+  const auto points = Points(
+      [](const cv::Point2d& at) { return 40 + 15 * std::sin(at.x / 31) * std::cos(at.y / 23); });
+  EXPECT_FALSE(Find(points, points).is_aside);
+}
+
+TEST(SensorPlace, CannotBeToldFromFewMatches) {
+  const auto points =
+      Points([](const cv::Point2d& at) { return BoxesPx(at + cv::Point2d(40, 0)); });
+  const std::vector<Seed> all = Matches();
+  std::vector<Seed> few;
+  for (size_t i = 0; i < all.size(); i += 60) few.push_back(all[i]);
+  ASSERT_LT(few.size(), 100U);
+  const PlacedPoints placed{points, points, {kSpacingPx, kSpacingPx}, kImage};
+  EXPECT_TRUE(FindSensorPlace(placed, all, 2).is_aside);
+  EXPECT_FALSE(FindSensorPlace(placed, few, 2).is_aside);
+  EXPECT_FALSE(FindSensorPlace(placed, {}, 2).is_aside);
+}
+
+}  // namespace
+}  // namespace sprout::refine
