@@ -107,6 +107,12 @@ TEST(McapExport, HasTheConfigurationsAsMetadata) {
               HasSubstr("config: grow { }\n"));
 }
 
+TEST(McapInfo, RefusesAFolderThatIsNoBag) {
+  const LogFolder folder;
+  WriteBytes(folder.File("text"), Bytes(3));
+  ExpectRefused({"info", folder.File("")}, "a folder without .mcap files");
+}
+
 TEST(McapExport, RefusesWhatItCannotDo) {
   const LogFolder folder;
   const std::string log = folder.Write("log", GraphEvents(1));
