@@ -134,8 +134,8 @@ bool Refiner::LooksAside(const cv::Mat1b& left, const cv::Mat1b& right, const To
                          const TofProjector& projector) {
   const bool is_doubtful = range_error_.contradicted_share > RangeRules::kDoubtfulShare ||
                            range_error_.far_moved_share > RangeRules::kDoubtfulMoves;
-  // Of coarse points the cells are too high to compare disparities in them.
-  if (!is_doubtful || range_error_.rejected || !config_.stereo_seeds() ||
+  // Where points are far apart disparities of their neighbours say too little.
+  if (!is_doubtful || range_error_.rejected || !config_.stereo_seeds() || !surface_.has_pixels() ||
       stereo_.IsCoarse(surface_.spacing_px(), left.cols)) {
     return false;
   }

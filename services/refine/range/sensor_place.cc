@@ -118,6 +118,7 @@ SensorPlace FindSensorPlace(const PlacedPoints& points, std::span<const Seed> ma
   const double sigma = cv::norm(gains);
   if (sigma > 0) place.gain_sigmas = cv::sum(gains)[0] / sigma;
   place.is_aside = as_is.compared >= RangeRules::kFewestCompared &&
+                   place.agree_moved > RangeRules::kAsideFits &&
                    place.gain_sigmas > strictness * RangeRules::kAsideSigmas &&
                    place.agree_moved - place.agree_as_is > strictness * RangeRules::kAsideGain;
   return place;

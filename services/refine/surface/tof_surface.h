@@ -50,6 +50,9 @@ class TofSurface {
   double column_px() const { return column_px_; }  ///< along the rows
   double row_px() const { return row_px_; }        ///< along the columns
 
+  /// Whether each cell is a ToF pixel, as of a camera; a lidar's scan has larger ones.
+  bool has_pixels() const { return column_step_ == 1 && row_step_ == 1; }
+
   /// Columns and rows of cells, and the cell of a point.
   int columns() const { return static_cast<int>(stride_) - 2; }
   int rows() const { return rows_; }

@@ -84,6 +84,17 @@ TEST(SensorPlace, IsNotAsideForAnotherScene) {
   EXPECT_FALSE(Find(points, points).is_aside);
 }
 
+// Better elsewhere is not enough: there they have to fit.
+TEST(SensorPlace, IsNotAsideWherePointsFitNowhere) {
+  const auto points = Points([](const cv::Point2d& at) {
+    const bool is_wrong = static_cast<int>(at.x * 7 + at.y * 13) % 4 == 0;
+    return BoxesPx(at + cv::Point2d(40, 0)) + (is_wrong ? 30 : 0);
+  });
+  const SensorPlace place = Find(points, points);
+  EXPECT_GT(place.agree_moved, place.agree_as_is + 0.04);
+  EXPECT_FALSE(place.is_aside);
+}
+
 TEST(SensorPlace, CannotBeToldFromFewMatches) {
   const auto points =
       Points([](const cv::Point2d& at) { return BoxesPx(at + cv::Point2d(40, 0)); });
