@@ -40,7 +40,9 @@ void CensusTransform(const cv::Mat1b& image, cv::Mat1b& codes) {
 
 DataTerm::DataTerm(const EdgeImages& images, std::span<const EdgeTriangle> edges,
                    std::span<const Plane> planes, const PriorConfig& config)
-    : images_(images), scales_(config), nearby_(edges.size()) {
+    : images_(images),
+      scales_(config),
+      nearby_(std::make_unique_for_overwrite<ColourSeeds[]>(edges.size())) {
   ForEachParallel(edges.size(), [&](size_t i) { nearby_[i] = Gather(edges[i].nearby(), planes); });
 }
 

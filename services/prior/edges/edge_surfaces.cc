@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "common/core/parallel.h"
+#include "services/prior/edges/label_kernel.h"
 
 namespace sprout::prior {
 namespace {
@@ -75,13 +76,6 @@ EdgeTriangle MakeEdge(std::span<const Plane> planes, const SeedTriangle& triangl
   return edge;
 }
 
-// The counts of ToCounts(), but never beyond infinity, and faster.
-int16_t NearestCounts(float disparity_px) {
-  constexpr float kMost = DisparityImage::kMaxPx;
-  constexpr float kOne = DisparityImage::kCountsPerPixel;
-  return static_cast<int16_t>(std::min(std::max(0.F, disparity_px), kMost) * kOne + 0.5F);
-}
-
 }  // namespace
 
 void NearestPlanes::Add(const Plane& plane, const Corners& triangle) {
@@ -124,7 +118,6 @@ void PaintLabels(std::span<const EdgeTriangle> edges, std::span<const Plane> pla
   labels.near.create(size);
   labels.far.create(size);
   labels.triangle.create(size);
-  const auto least_gap = static_cast<float>(edge_px);
   const TrianglesByBand bands(
       planes, edges.size(), [&](size_t i) { return edges[i].seeds; }, size.height);
   ForEachParallel(static_cast<size_t>(bands.size()), [&](size_t band) {
@@ -132,21 +125,8 @@ void PaintLabels(std::span<const EdgeTriangle> edges, std::span<const Plane> pla
     for (int v = rows.start; v < rows.end; ++v) {
       std::fill_n(labels.near[v], size.width, DisparityImage::kInvalid);
     }
-    for (const int i : bands.TrianglesOf(static_cast<int>(band))) {
-      const EdgeTriangle& edge = edges[static_cast<size_t>(i)];
-      ForEachRun(CornersOf(planes, edge.seeds), size.width, rows, [&](int v, int begin, int end) {
-        for (int u = begin; u < end; ++u) {
-          // Eq. (P5). Planes may have crossed.
-          const float one = edge.near.At(static_cast<float>(u), static_cast<float>(v));
-          const float other = edge.far.At(static_cast<float>(u), static_cast<float>(v));
-          const auto [less, more] = std::minmax(one, other);
-          if (more - less < least_gap) continue;
-          labels.near(v, u) = NearestCounts(more);
-          labels.far(v, u) = NearestCounts(less);
-          labels.triangle(v, u) = i;
-        }
-      });
-    }
+    PaintEdgeLabels(edges, bands.TrianglesOf(static_cast<int>(band)), planes,
+                    static_cast<float>(edge_px), rows, labels);
   });
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <span>
 #include <vector>
@@ -109,7 +110,7 @@ class DataTerm {
 
   const EdgeImages& images_;
   DataTermScales scales_;
-  std::vector<ColourSeeds> nearby_;  // one an edge
+  std::unique_ptr<ColourSeeds[]> nearby_;  // one an edge
 };
 
 /// Gives each pixel with labels the one of the smaller data term. Every other pixel of every other
