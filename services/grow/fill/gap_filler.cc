@@ -1,10 +1,7 @@
 #include "services/grow/fill/gap_filler.h"
 
 #include <algorithm>
-#include <opencv2/imgproc.hpp>
-#include <utility>
 
-#include "common/core/median.h"
 #include "common/core/parallel.h"
 #include "services/grow/fill/gap_medians.h"
 
@@ -19,6 +16,21 @@ void FillFromWindows(const DisparityImage& from, DisparityImage& to) {
     for (int u = 0; u < from.width(); u += kFillColumns) {
       FillPixels(from, v, u, pixels);
       std::copy_n(pixels.begin(), std::min(kFillColumns, from.width() - u), &to.counts()(v, u));
+    }
+  });
+}
+
+// The build asks the compiler to make vectors of the loop along a row.
+void FillFrom(const DisparityImage& prior, const DisparityImage& from, DisparityImage& to) {
+  ForEachParallel(static_cast<size_t>(from.height()), [&](size_t row) {
+    const int v = static_cast<int>(row);
+    const int16_t* const counts = from.counts()[v];
+    const int16_t* const priors = prior.counts()[v];
+    int16_t* const filled = to.counts()[v];
+    for (int u = 0; u < from.width(); ++u) {
+      const int16_t here = counts[u];
+      const int16_t instead = priors[u];
+      filled[u] = here == DisparityImage::kInvalid ? instead : here;
     }
   });
 }
@@ -40,11 +52,10 @@ DisparityImage GapFiller::Fill(const DisparityImage& map, GrowConfig::Fill fill,
 void GapFiller::FillFromPrior(const DisparityImage& map, const DisparityImage& prior) {
   const bool has_prior = prior.size() == map.size();
   if (has_prior) {
-    map.counts().copyTo(other_.counts());
-    cv::compare(map.counts(), DisparityImage::kInvalid, is_gap_, cv::CMP_EQ);
-    prior.counts().copyTo(other_.counts(), is_gap_);
+    Renew(other_, map.size());
+    FillFrom(prior, map, other_);
   }
-  MedianFilter().Apply(has_prior ? other_.counts() : map.counts(), filled_.counts());
+  median_.Apply(has_prior ? other_.counts() : map.counts(), filled_.counts());
 }
 
 }  // namespace sprout::grow

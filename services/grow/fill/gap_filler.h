@@ -3,6 +3,7 @@
 
 #include "common/config/config.h"
 #include "common/core/disparity_image.h"
+#include "common/core/median.h"
 
 namespace sprout::grow {
 
@@ -25,7 +26,7 @@ class GapFiller {
   void FillFromPrior(const DisparityImage& map, const DisparityImage& prior);
 
   DisparityImage filled_, other_;
-  cv::Mat1b is_gap_;
+  MedianFilter median_;
 };
 
 }  // namespace sprout::grow

@@ -48,6 +48,11 @@ inline constexpr int kLevels = 256;
 /// lowest bits cut off, so that twice a key, and one more, fit into 15 bits.
 inline constexpr int kKeys = (1 << 14) - 1;
 
+/// Pixels to which the prior leaves disparities so far from its own, px, are open. Below, where
+/// there are up to nine candidates, the best of all is as good as one that growth leads to; with 8
+/// px it is not (NOTES.md).
+inline constexpr int kSweptPx = 4;
+
 /// Pixels of a row that the fast sweep looks at together, at most.
 inline constexpr int kRunPixels = 16;
 
@@ -96,10 +101,13 @@ struct GrowthRule {
   std::array<float, kMaxSigmaCounts + 1> prior_scales{};
   std::array<int, kMaxSigmaCounts + 1> prior_reaches{};
 
-  /// Smallest standard deviation, counts, of an open pixel: one to which the prior leaves more than
-  /// the two whole disparities on either side of it; for smaller ones σ_p is sigma_p_px.
-  /// kMaxSigmaCounts + 1: no pixel is open. 0: every pixel is, without
-  /// a prior or where sigma_p_px alone leaves more than two (preset paper).
+  /// Smallest standard deviation, counts, of a pixel to which the prior leaves more than the two
+  /// whole disparities on either side of it; for smaller ones σ_p is sigma_p_px.
+  int least_wide = 0;
+
+  /// Smallest standard deviation, counts, of an open pixel: one to which the prior leaves
+  /// disparities that are kSweptPx or more from its own. kMaxSigmaCounts + 1: no pixel is open. 0:
+  /// every pixel is, without a prior or where sigma_p_px alone leaves so many (preset paper).
   int least_open = 0;
   bool IsOpen(uint8_t sigma) const { return sigma >= least_open; }
 

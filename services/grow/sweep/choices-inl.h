@@ -1,5 +1,5 @@
-// The better one of a pixel's two candidates, for each instruction set: included by
-// sweep_kernel.cc, which Highway compiles once for each, so it has no usual include guard.
+// What each pixel of a row chooses, for each instruction set: included by sweep_kernel.cc, which
+// Highway compiles once for each, so it has no usual include guard.
 #if defined(SPROUT_SERVICES_GROW_CHOICES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SPROUT_SERVICES_GROW_CHOICES_INL_H_
 #undef SPROUT_SERVICES_GROW_CHOICES_INL_H_
@@ -9,105 +9,12 @@
 
 #include <hwy/highway.h>
 
-#include <array>
-
 #include "services/grow/sweep/sweep_band.h"
-#include "services/grow/sweep/window_costs-inl.h"
+#include "services/grow/sweep/wide_choices-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sprout::grow {
 namespace HWY_NAMESPACE {
-
-// Rows of pairs (PairProducts()) that hold the five rows of a window: its rows 0 and 1, 2 and 3, 4.
-// The lower pixels of the last pairs are not in the window.
-using WindowPairs = std::array<const int32_t*, 3>;
-
-// Pairs of columns, whose products give sums over the columns of a window.
-template <class D>
-class Columns {
- public:
-  using V = hn::Vec<D>;
-
-  // @param u  the first column; as many as there are lanes.
-  HWY_INLINE Columns(const WindowPairs& pairs, ptrdiff_t u)
-      : pairs_{hn::LoadU(D(), pairs[0] + u), hn::LoadU(D(), pairs[1] + u),
-               hn::And(hn::LoadU(D(), pairs[2] + u), hn::Set(D(), 0xffff))} {}
-
-  // Σ of the squares in each column.
-  HWY_INLINE V Squares() const {
-    const auto sums = [&](size_t i) HWY_ATTR { return PairProducts(pairs_[i], pairs_[i]); };
-    return hn::Add(hn::Add(sums(0), sums(1)), sums(2));
-  }
-
-  // Σ of the squared differences from others. @param u  the other column that belongs to the first.
-  HWY_INLINE V SquaredDifferences(const WindowPairs& others, ptrdiff_t u) const {
-    const hn::Repartition<int16_t, D> d16;
-    const auto sums = [&](size_t i) HWY_ATTR {
-      const V other = hn::LoadU(D(), others[i] + u);
-      const V difference =
-          hn::BitCast(D(), hn::Abs(hn::Sub(hn::BitCast(d16, pairs_[i]), hn::BitCast(d16, other))));
-      const V in_window = i == 2 ? hn::And(difference, hn::Set(D(), 0xffff)) : difference;
-      return PairProducts(in_window, in_window);
-    };
-    return hn::Add(hn::Add(sums(0), sums(1)), sums(2));
-  }
-
-  // Σ of the products in each column. @param u  the other column that belongs to the first one.
-  HWY_INLINE V Products(const WindowPairs& others, ptrdiff_t u) const {
-    const auto sums = [&](size_t i) HWY_ATTR {
-      return PairProducts(pairs_[i], hn::LoadU(D(), others[i] + u));
-    };
-    return hn::Add(hn::Add(sums(0), sums(1)), sums(2));
-  }
-
- private:
-  V pairs_[3];
-};
-
-// The windows of neighbouring pixels, as many as D has lanes.
-template <class D>
-class WindowRun {
- public:
-  using V = hn::Vec<D>;
-
-  // @param u  the first pixel.
-  HWY_INLINE WindowRun(const WindowPairs& pairs, ptrdiff_t u)
-      : columns_(pairs, u - kWindowRadius), columns_behind_(pairs, u + kWindowRadius) {}
-
-  // Σ of the products with other windows. Reads as many columns whether they fit or not.
-  // @param u  the pixel that belongs to the first one.
-  HWY_INLINE V Products(const WindowPairs& others, ptrdiff_t u) const {
-    const D d;
-    const V columns = columns_.Products(others, u - kWindowRadius);
-    const V behind = columns_behind_.Products(others, u + kWindowRadius);  // four lanes on
-    const V two = hn::Add(columns, hn::CombineShiftRightLanes<1>(d, behind, columns));
-    const V three = hn::Add(two, hn::CombineShiftRightLanes<2>(d, behind, columns));
-    return hn::Add(hn::Add(three, hn::CombineShiftRightLanes<3>(d, behind, columns)), behind);
-  }
-
- private:
-  Columns<D> columns_, columns_behind_;
-};
-
-// Sums over windows of sums over their columns, at the pixels from u on.
-template <class D>
-HWY_INLINE hn::Vec<D> SumColumns(D d, const int32_t* columns, ptrdiff_t u) {
-  static_assert(kWindowRadius == 2);
-  const auto at = [&](int x) HWY_ATTR { return hn::LoadU(d, columns + u + x); };
-  return hn::Add(hn::Add(hn::Add(at(-2), at(-1)), hn::Add(at(0), at(1))), at(2));
-}
-
-// What the choice reads of a row. All can be read kRunPixels behind the row's end, pairs and
-// energies also before its start.
-struct ChoiceInput {
-  WindowPairs left;
-  WindowPairs right;
-  const int32_t* left_energies;   // Σ wL²
-  const int32_t* left_textures;   // Σ(wL − wL′)², wL′ one pixel before; only with sub_pixel
-  const int32_t* right_energies;  // Σ wR²
-  const int16_t* priors;          // counts
-  const uint8_t* sigmas;          // of the priors, counts
-};
 
 // Where the choices of a row go; written up to kRunPixels behind the row's end.
 struct ChoiceRow {
@@ -122,7 +29,8 @@ struct ChoiceRow {
 // Chooses for the pixels of a row, as many neighbours at once as a register has lanes. Neighbours
 // need about the same disparities, and their windows share columns: for one disparity all the
 // windows cost little more than two of them would alone.
-template <bool kSubPixel>
+// @tparam kWide  whether there may be pixels with more than two candidates.
+template <bool kSubPixel, bool kWide>
 class Choice {
  public:
   Choice(const GrowthRule& rule, const ChoiceInput& row)
@@ -142,9 +50,9 @@ class Choice {
                                   hn::Lt(hn::Iota(d, u), hn::Set(d, width - kWindowRadius)));
       const M open = hn::And(inside, hn::Gt(sigma, hn::Set(d, rule_.least_open - 1)));
       any_open = hn::Or(any_open, open);
-      const M sure = hn::AndNot(open, inside);
-      const Best best = BestOfTwo(u, prior, sure);
-      const M accepted = hn::AndNot(hn::Gt(best.cost, hn::Set(d, rule_.limit)), sure);
+      const M swept = hn::AndNot(open, inside);
+      const Best best = BestOf(u, prior, sigma, swept);
+      const M accepted = hn::AndNot(hn::Gt(best.cost, hn::Set(d, rule_.limit)), swept);
       const V key = hn::ShiftLeft<1>(hn::ShiftRightSame(best.cost, rule_.key_shift));
       hn::StoreU(
           hn::DemoteTo(d16, hn::IfThenElse(accepted, best.disparity, hn::Set(d, ChoiceRow::kNone))),
@@ -161,18 +69,15 @@ class Choice {
   }
 
  private:
-  using D = hn::CappedTag<int32_t, kRunPixels>;
+  using D = RunTag;
   using V = hn::Vec<D>;
   using M = hn::Mask<D>;
+  using Best = ChoiceOf<V>;
   static constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
 
   // The disparities whose costs are needed: from m − kBefore on.
   static constexpr int kBefore = kSubPixel ? 1 : 0;
   static constexpr int kCosts = 2 + 2 * kBefore;
-
-  struct Best {
-    V disparity, cost, step;
-  };
 
   using F = hn::Vec<hn::RebindToFloat<D>>;
 
@@ -187,6 +92,27 @@ class Choice {
     const D d;
     return hn::And(hn::Gt(first, hn::Set(d, -2)),
                    hn::Gt(columns, hn::Add(first, hn::Set(d, kWindowRadius - 1))));
+  }
+
+  // @param wanted  pixels whose result is used; the results of the others do not matter.
+  HWY_INLINE Best BestOf(int u, V prior, V sigma, M wanted) const {
+    const D d;
+    if constexpr (!kWide) return BestOfTwo(u, prior, wanted);
+    const M is_wide = hn::And(wanted, hn::Gt(sigma, hn::Set(d, rule_.least_wide - 1)));
+    if (hn::AllFalse(d, is_wide)) return BestOfTwo(u, prior, wanted);
+    const Best of_all = BestOfAll(u, prior, sigma, is_wide);
+    const M is_sure = hn::AndNot(is_wide, wanted);
+    if (hn::AllFalse(d, is_sure)) return of_all;
+    const Best of_two = BestOfTwo(u, prior, is_sure);
+    const auto choose = [&](V if_wide, V if_not)
+                            HWY_ATTR { return hn::IfThenElse(is_wide, if_wide, if_not); };
+    return {choose(of_all.disparity, of_two.disparity), choose(of_all.cost, of_two.cost),
+            choose(of_all.step, of_two.step)};
+  }
+
+  // A function of its own, so that few registers are taken where pixels have two candidates.
+  HWY_NOINLINE Best BestOfAll(int u, V prior, V sigma, M wanted) const {
+    return WideChoice<kSubPixel>(rule_, row_, u, prior, sigma, wanted).Best();
   }
 
   // The better of the disparities m and m + 1 at the pixels from u on. @param wanted  pixels whose
@@ -213,7 +139,8 @@ class Choice {
     const V room = hn::Sub(hn::Sub(columns, first), hn::Set(d, kWindowRadius));
     const auto cost_at = [&](V steps, F energies, F differences, F distances) HWY_ATTR {
       const V fits = hn::Or(hn::Add(first, steps), hn::Sub(room, steps));
-      return EpcCosts(rule_, energies, differences, distances, rule_.prior_scales[0], fits);
+      return EpcCosts(rule_, energies, differences, distances, hn::Set(df, rule_.prior_scales[0]),
+                      fits);
     };
     const F energy_of_m = AtLeastOne(energy[kBefore]);
     const F energy_of_next = AtLeastOne(energy[kBefore + 1]);
@@ -244,7 +171,7 @@ class Choice {
                             hn::LoadU(d, row_.left_textures + u),
                             hn::LoadU(d, row_.left_textures + u + 1),
                             one_of(energy_of_next, energy_of_m), one_of(rest, hn::Neg(fraction))},
-          rule_.prior_scales[0]);
+          hn::Set(df, rule_.prior_scales[0]));
     }
     return best;
   }

@@ -280,7 +280,7 @@ HWY_INLINE int StepOf(const GrowthRule& rule, const GrowthBand& band, PixelId id
                                      one(textures[1]),
                                      AtLeastOne(one(ToNumbers(sums.energies)[1])),
                                      real(d * DisparityImage::kCountsPerPixel - pixel.prior)};
-  return hn::GetLane(StepsToMinimum(rule, windows, rule.prior_scales[sigma]));
+  return hn::GetLane(StepsToMinimum(rule, windows, hn::Set(df, rule.prior_scales[sigma])));
 }
 
 // The counts of a row's matched open pixels.

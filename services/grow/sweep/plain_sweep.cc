@@ -44,12 +44,18 @@ class PlainSweep {
   Claim Choose(int u, int v) const {
     const int prior = input_.prior.disparity.counts()(v, u);
     if (prior == DisparityImage::kInvalid || rule_.IsOpen(input_.prior.sigma(v, u))) return {};
-    const int m = prior >> 5;
-    const int32_t cost = CostWhereItFits(rule_, input_, {u, v, m});
-    const int32_t cost_of_next = CostWhereItFits(rule_, input_, {u, v, m + 1});
-    const int32_t least = std::min(cost, cost_of_next);
+    // Eq. (5) alone rules out all others.
+    const int reach = std::max(rule_.prior_reaches[input_.prior.sigma(v, u)], 31);
+    int best = 0;
+    int32_t least = kExcludedCost;
+    for (int d = (prior - reach + 31) >> 5; d <= (prior + reach) >> 5; ++d) {
+      const int32_t cost = CostWhereItFits(rule_, input_, {u, v, d});
+      if (cost >= least) continue;
+      least = cost;
+      best = d;
+    }
     if (least > rule_.limit) return {};
-    return {cost_of_next < cost ? m + 1 : m, rule_.KeyOf(least)};
+    return {best, rule_.KeyOf(least)};
   }
 
   // The claim with the least key wins a right pixel; if two claims have that key, none wins.

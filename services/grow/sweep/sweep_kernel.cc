@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <type_traits>
 #include <vector>
 
 #include "services/grow/sweep/sweep_band.h"
@@ -157,8 +158,15 @@ class Sweep {
                           sigmas_.data()};
     const ChoiceRow to{disparities_.data() + kBeside, keys_.data() + kBeside,
                        steps_.data() + kBeside};
-    return rule_.sub_pixel ? Choice<true>(rule_, row).Run(width_, to)
-                           : Choice<false>(rule_, row).Run(width_, to);
+    const auto choose = [&](auto is_wide) HWY_ATTR {
+      constexpr bool kWide = decltype(is_wide)::value;
+      return rule_.sub_pixel ? Choice<true, kWide>(rule_, row).Run(width_, to)
+                             : Choice<false, kWide>(rule_, row).Run(width_, to);
+    };
+    const uint8_t* const sigmas = sigmas_.data();
+    uint8_t unsurest = 0;
+    for (int u = 0; u < width_; ++u) unsurest = std::max(unsurest, sigmas[u]);
+    return unsurest >= rule_.least_wide ? choose(std::true_type()) : choose(std::false_type());
   }
 
   // Calls act(u − d, mask) for each disparity d that there is among the pixels from u on, which are

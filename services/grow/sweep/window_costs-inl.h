@@ -58,13 +58,13 @@ HWY_INLINE V PairProducts(V left, V right) {
 // the prior on either side, counts. @param scale  of GrowthRule::prior_scales. @param fits negative
 // where a window does not fit.
 template <class F, class V>
-HWY_INLINE V EpcCosts(const GrowthRule& rule, F energies, F differences, F distances, float scale,
+HWY_INLINE V EpcCosts(const GrowthRule& rule, F energies, F differences, F distances, F scale,
                       V fits) {
   const hn::DFromV<F> df;
   const hn::DFromV<V> d;
   const hn::RebindToUnsigned<decltype(d)> du;
   const F photo = PhotoCost(differences, energies, hn::Set(df, rule.photo_scale));
-  const F prior = PriorCost(distances, hn::Set(df, scale));
+  const F prior = PriorCost(distances, scale);
   // Sums over windows that do not fit may lead below 0.
   const F cost = hn::Floor(Clamped(hn::Add(photo, prior), hn::Zero(df), hn::Set(df, kLargestCost)));
   // Added to 2²³ a whole number stands in the bits of the fraction: fewer instructions than
@@ -181,7 +181,7 @@ HWY_INLINE Four FourCosts(const GrowthRule& rule, const GrowthBand& band, PixelI
       hn::Or(disparities, hn::VecFromMask(d4, hn::Eq(states, hn::Set(d4, RightState::kNoWindow))));
   const hn::RebindToFloat<DFour> df;
   return EpcCosts(rule, AtLeastOne(sums.energies), hn::ConvertTo(df, sums.differences),
-                  hn::ConvertTo(df, distances), rule.prior_scales[sigma], fits);
+                  hn::ConvertTo(df, distances), hn::Set(df, rule.prior_scales[sigma]), fits);
 }
 
 HWY_INLINE Four FourCosts(const GrowthRule& rule, const GrowthBand& band, PixelId pixel, int prior,
@@ -221,8 +221,7 @@ struct StepWindows {
 // two others. At most 15 counts up, so that rounding leads back to d.
 // @param prior_scale  of GrowthRule::prior_scales.
 template <class F, class V>
-HWY_INLINE V StepsToMinimum(const GrowthRule& rule, const StepWindows<F, V>& of,
-                            float prior_scale) {
+HWY_INLINE V StepsToMinimum(const GrowthRule& rule, const StepWindows<F, V>& of, F prior_scale) {
   const hn::DFromV<V> d;
   const hn::DFromV<F> df;
   const auto missing = hn::Eq(hn::Max(of.cost_of_one, of.cost_of_other), hn::Set(d, kExcludedCost));
@@ -232,11 +231,11 @@ HWY_INLINE V StepsToMinimum(const GrowthRule& rule, const StepWindows<F, V>& of,
   const auto up = hn::Lt(of.difference_behind, of.difference_before);
   const F beside = hn::Min(of.difference_behind, of.difference_before);
   const V texture = hn::IfThenElse(hn::RebindMask(d, up), of.texture, of.texture_of_next);
-  const F step =
-      StepToMinimum(StepInput<F>{hn::Sub(of.difference, beside), AtLeastOne(texture), of.energy,
-                                 hn::IfThenElse(up, number(kPixel), number(-kPixel)), of.distance,
-                                 number(rule.photo_scale), number(prior_scale * (kPixel * kPixel))},
-                    number);
+  const F step = StepToMinimum(
+      StepInput<F>{hn::Sub(of.difference, beside), AtLeastOne(texture), of.energy,
+                   hn::IfThenElse(up, number(kPixel), number(-kPixel)), of.distance,
+                   number(rule.photo_scale), hn::Mul(prior_scale, number(kPixel * kPixel))},
+      number);
   const F within = Clamped(step, number(-kMaxStep - 1.0F), number(kMaxStep));
   // Rounded to nearest: a float of so large a number has no bits left for fractions.
   const F large = number(3 << 22);

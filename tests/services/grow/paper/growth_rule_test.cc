@@ -61,19 +61,29 @@ TEST(GrowthRule, SigmaPFollowsFormulaS1) {
   EXPECT_EQ(SigmaP(config, 10), 0.8);
 }
 
-// With τ = 0.5 a distance of a pixel is within the limit from σ_p = 1 / √(2·ln 2) = 0.849 px on.
-TEST(GrowthRule, APixelIsOpenWhereThePriorAlonePassesADistanceOfAPixel) {
+// With τ = 0.5 a distance of 4 px is within the limit from σ_p = 4 / √(2·ln 2) = 3.397 px on.
+TEST(GrowthRule, APixelIsOpenWhereThePriorAlonePassesADistanceOfFourPixels) {
+  GrowConfig config;
+  config.set_sigma_p_noise(0);
+  config.set_sigma_p_px(3.39);
+  EXPECT_EQ(MakeGrowthRule(config).least_open, kMaxSigmaCounts + 1);
+  config.set_sigma_p_px(3.41);
+  EXPECT_EQ(MakeGrowthRule(config).least_open, 0);
+}
+
+// The same for a pixel: 0.849 px.
+TEST(GrowthRule, APixelHasMoreThanTwoCandidatesWhereThePriorAlonePassesADistanceOfAPixel) {
   GrowConfig config;
   config.set_sigma_p_noise(0);
   config.set_sigma_p_px(0.84);
-  EXPECT_EQ(MakeGrowthRule(config).least_open, kMaxSigmaCounts + 1);
+  EXPECT_EQ(MakeGrowthRule(config).least_wide, kMaxSigmaCounts + 1);
   config.set_sigma_p_px(0.86);
-  EXPECT_EQ(MakeGrowthRule(config).least_open, 0);
+  EXPECT_EQ(MakeGrowthRule(config).least_wide, 0);
   config.set_sigma_p_px(0.8);
   config.set_sigma_p_noise(1);
   config.set_sigma_p_sure_px(0);
   const GrowthRule rule = MakeGrowthRule(config);
-  EXPECT_EQ(rule.least_open, 14);  // of 1/16 px: 0.875; 13 are 0.8125
+  EXPECT_EQ(rule.least_wide, 14);  // of 1/16 px: 0.875; 13 are 0.8125
   EXPECT_EQ(rule.prior_scales[13], rule.prior_scales[0]) << "below, σ_p is sigma_p_px";
   EXPECT_LT(rule.prior_scales[14], rule.prior_scales[13]);
   EXPECT_LT(rule.prior_reaches[13], DisparityImage::kCountsPerPixel);

@@ -68,7 +68,7 @@ struct TwoSurfaces {
 };
 
 struct GrowCase {
-  double sigma_p_px;  // 0.6: two disparities a pixel are left
+  double sigma_p_px;  // 0.6: two disparities a pixel are left; 1.5: four; 4: pixels are open
   int grey_levels;    // 1: ties wherever the prior lies in the middle; 256: few
   uint32_t seed;
   cv::Size image_size;
@@ -101,7 +101,7 @@ TEST_P(FastGrowth, GivesThePixelsOfPlainGrowth) {
 
 std::vector<GrowCase> AllCases() {
   std::vector<GrowCase> cases;
-  for (const double sigma_p_px : {1.5, 0.6}) {
+  for (const double sigma_p_px : {4.0, 1.5, 0.6}) {
     for (const int levels : {1, 2, 3, 256}) {
       for (uint32_t seed = 0; seed < 5; ++seed) {
         cases.push_back({sigma_p_px, levels, seed, {37, 23}});

@@ -106,9 +106,25 @@ TEST_F(Sweep, OfClaimsOnAPixelThatIsFreeAgainTheBetterOneComesFirst) {
 }
 
 TEST_F(Sweep, LeavesOpenPixelsAlone) {
-  config_.set_sigma_p_px(2);
+  config_.set_sigma_p_px(3.5);
   SetPrior(10, 4, 3);
   EXPECT_EQ(Run({{9, 4, 3}}).CountValid(), 0);
+}
+
+TEST_F(Sweep, TakesTheBestOfAllThatAnUnsurePriorLeaves) {
+  cv::Mat1b left(flat_.size());
+  cv::RNG(7).fill(left, cv::RNG::UNIFORM, 0, 256);
+  cv::Mat1b right(flat_.size(), uint8_t{0});
+  left.colRange(6, 40).copyTo(right.colRange(0, 34));
+  SetPrior(20, 4, 3.4);
+  const PriorMap prior = EvenPrior(prior_, 0.1);
+  const auto run = [&](double sigma_p_px) {
+    config_.set_sigma_p_px(sigma_p_px);
+    return SweepPlainly(MakeGrowthRule(config_), {left, right, prior},
+                        std::vector<Correspondence>{{19, 4, 6}});
+  };
+  EXPECT_EQ(run(3).Px(20, 4), 6);
+  EXPECT_FALSE(run(1.5).IsValid(20, 4)) << "2.6 px are too far";
 }
 
 TEST_F(Sweep, TakesTheLowerOneOfTwoEqualCandidates) {
