@@ -7,6 +7,8 @@
 #include <numeric>
 #include <utility>
 
+#include "common/core/parallel.h"
+
 namespace sprout::refine {
 namespace {
 
@@ -168,7 +170,7 @@ double RangeCurve::GainInSigmas(std::span<const RangeNode> nodes, const Rectifie
 // The standard deviations of an M-estimate: the spread of the votes' slopes over their curvature.
 void RangeCurve::SetSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair,
                            std::span<const Bin> bins) {
-  for (size_t b = 0; b < bins.size(); ++b) {
+  ForEachParallel(bins.size(), [&](size_t b) {
     RangeKnot& knot = knots_[b];
     const double half_m = 0.5 / bins[b].px_per_m;
     BlockSums slopes(blocks_);
@@ -185,7 +187,7 @@ void RangeCurve::SetSigmas(std::span<const RangeNode> nodes, const RectifiedPair
     }
     knot.sigma_m =
         curvature > 0 ? slopes.Sigma() / curvature : std::numeric_limits<double>::infinity();
-  }
+  });
 }
 
 void RangeCurve::Estimate(std::span<const RangeNode> nodes, const RectifiedPair& pair) {
@@ -215,13 +217,13 @@ void RangeCurve::Estimate(std::span<const RangeNode> nodes, const RectifiedPair&
   const size_t count =
       std::clamp<size_t>(voters_.size() / RangeRules::kNodesPerKnot, 1, RangeRules::kMaxKnots);
   std::vector<Bin> bins(count);
-  for (size_t b = 0; b < count; ++b) {
+  ForEachParallel(count, [&](size_t b) {
     const size_t begin = voters_.size() * b / count;
     const size_t end = voters_.size() * (b + 1) / count;
     bins[b].voters = std::span<const Voter>(voters_).subspan(begin, end - begin);
     bins[b].scale = static_cast<double>(count) / total;
     Vote(nodes, pair, bins[b]);
-  }
+  });
   FindPath(bins);
   is_zero_ = GainInSigmas(nodes, pair) < RangeRules::kSureSigmas;
   if (is_zero_) {

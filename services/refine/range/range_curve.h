@@ -20,7 +20,7 @@ struct RangeKnot {
 /// errors in metres; the curve through the votes that costs least is taken if it is significant.
 class RangeCurve {
  public:
-  /// O(nodes · candidates); no I/O.
+  /// O(nodes · candidates); no I/O; on OpenCV's threads, with the same result for any number.
   void Estimate(std::span<const RangeNode> nodes, const RectifiedPair& pair);
 
   /// The knots, sorted by depth; empty when too few nodes show anything.

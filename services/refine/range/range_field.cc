@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/core/parallel.h"
 #include "services/refine/range/range_curve.h"
 #include "services/refine/range/surface_patches.h"
 
@@ -23,14 +24,14 @@ void RangeField::SetCosts(const RangeNodes& nodes, std::span<const double> start
   const std::span<const RangeNode> all = nodes.nodes();
   data_.resize(all.size());
   counts_.assign(all.size(), 1);
-  for (size_t i = 0; i < all.size(); ++i) {
+  ForEachParallel(all.size(), [&](size_t i) {
     data_[i] = all[i].costs;
-    if (start_px[i] == 0) continue;
+    if (start_px[i] == 0) return;
     for (int k = 0; k < kOffsetLabels; ++k) {
       data_[i][static_cast<size_t>(k)] =
           static_cast<float>(CostAt(all[i].costs, RangeRules::OffsetPx(k) + start_px[i]));
     }
-  }
+  });
   // Twice 3×3 nodes are 5×5, the nearest of which count most.
   for (int round = 0; round < 2; ++round) Sum(nodes);
   for (size_t i = 0; i < all.size(); ++i) {
@@ -44,7 +45,7 @@ void RangeField::Sum(const RangeNodes& nodes) {
   counts_before_.swap(counts_);
   data_.resize(before_.size());
   counts_.resize(before_.size());
-  for (size_t i = 0; i < before_.size(); ++i) {
+  ForEachParallel(before_.size(), [&](size_t i) {
     OffsetCosts sum{};
     float count = 0;
     for (const uint32_t other : nodes.SurfaceAround(i)) {
@@ -53,7 +54,7 @@ void RangeField::Sum(const RangeNodes& nodes) {
     }
     data_[i] = sum;
     counts_[i] = count;
-  }
+  });
 }
 
 void RangeField::AddPath(const RangeNodes& nodes, bool along_rows, bool back, float moved) {
@@ -66,7 +67,8 @@ void RangeField::AddPath(const RangeNodes& nodes, bool along_rows, bool back, fl
     price[static_cast<size_t>(k)] =
         static_cast<float>(RangeRules::kFieldPerPx * std::abs(off)) + (off != 0 ? moved : 0);
   }
-  for (int line = 0; line < lines; ++line) {
+  ForEachParallel(static_cast<size_t>(lines), [&](size_t at) {
+    const auto line = static_cast<int>(at);
     OffsetCosts path{};
     int last = -1;
     for (int i = 0; i < length; ++i) {
@@ -94,7 +96,7 @@ void RangeField::AddPath(const RangeNodes& nodes, bool along_rows, bool back, fl
       last = node;
       for (size_t k = 0; k < kOffsetLabels; ++k) sums_[index][k] += path[k];
     }
-  }
+  });
 }
 
 void RangeField::Optimise(const RangeNodes& nodes, float moved) {
@@ -211,7 +213,7 @@ void RangeField::SetSigma(const RangeNodes& nodes, double proved_px2) {
 // How alike the windows around each node are, and whether they should be.
 void RangeField::Judge(const RangeNodes& nodes, std::span<const double> start_px) {
   const std::span<const RangeNode> all = nodes.nodes();
-  for (size_t i = 0; i < all.size(); ++i) {
+  ForEachParallel(all.size(), [&](size_t i) {
     double products = 0;
     double squares = 0;
     double texture = 0;
@@ -232,7 +234,7 @@ void RangeField::Judge(const RangeNodes& nodes, std::span<const double> start_px
     }
     offsets_[i].likeness = products / (squares + 1);
     offsets_[i].texture = texture / count;
-  }
+  });
 }
 
 void RangeField::FindOffsets(const RangeNodes& nodes) {

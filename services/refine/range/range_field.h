@@ -24,7 +24,7 @@ class RangeField {
  public:
   /// @param start_px  of each node, what its disparity is moved by before.
   /// @param moves     whether offsets are searched; otherwise all are 0, and nodes are only judged.
-  /// O(nodes · labels); no I/O; one thread.
+  /// O(nodes · labels); no I/O; on OpenCV's threads, with the same result for any number.
   void Estimate(const RangeNodes& nodes, std::span<const double> start_px, bool moves);
 
   /// The offsets of the nodes.

@@ -87,10 +87,11 @@ void RangeNodes::Compare(const cv::Mat1b& left, const cv::Mat1b& right) {
   variances.reserve(nodes_.size());
   for (const RangeNode& node : nodes_) variances.push_back(static_cast<float>(node.noise));
   noise_ = std::max(noise_, double{Quantile(variances, RangeRules::kNoiseQuantile)});
-  for (RangeNode& node : nodes_) {
+  ForEachParallel(nodes_.size(), [&](size_t i) {
+    RangeNode& node = nodes_[i];
     node.costs = CostsOf(node.moments, noise_);
     node.distinctness = DistinctnessOf(node.costs);
-  }
+  });
 }
 
 void RangeNodes::View::Set(const RectifiedPair& pair, const TofSurface& surface,
@@ -125,8 +126,8 @@ void RangeNodes::Set(const RangeInput& input, std::span<const ProjectedPoint> po
   const TofSurface& surface = input.surface;
   // Planes of one surface differ by their noise, too.
   const double tolerance_px = RangeRules::kSurfacePx + RangeRules::kNoiseSigmas * input.noise_px;
-  left_.Set(pair, surface, points, &Seed::u);
-  right_.Set(pair, surface, points, &Seed::u_right);
+  RunBoth([&] { left_.Set(pair, surface, points, &Seed::u); },
+          [&] { right_.Set(pair, surface, points, &Seed::u_right); });
   side_ = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(points.size()) /
                                                            double{RangeRules::kMaxNodes}))));
   size_ = {surface.columns() / side_ + 1, surface.rows() / side_ + 1};
@@ -135,22 +136,34 @@ void RangeNodes::Set(const RangeInput& input, std::span<const ProjectedPoint> po
   index_ = -1;
   texture_ = 0;
   planes_.resize(points.size());
-  for (size_t i = 0; i < points.size(); ++i) {
+  const auto choose = [&](size_t i) {
     const cv::Point cell = surface.CellOf(points[i]) / side_;
     const Seed& seed = points[i].seed;
     const float texture = TextureAt(input.left, seed);
-    if (!(texture > texture_(cell))) continue;
+    if (!(texture > texture_(cell))) return;
     const TofSurface::Plane plane = surface.PlaneOf(points[i], tolerance_px);
     const double nearer_px = tolerance_px + 1.5 * (std::abs(plane.slope.x) * surface.column_px() +
                                                    std::abs(plane.slope.y) * surface.row_px());
     if (plane.has_nearer || left_.Hides(seed.u, seed.v, plane.disparity, nearer_px) ||
         right_.Hides(seed.u_right, seed.v, plane.disparity, nearer_px)) {
-      continue;
+      return;
     }
     texture_(cell) = texture;
     index_(cell) = static_cast<int>(i);
     planes_[i] = plane;
-  }
+  };
+  // Points come row by row, and no two rows of cells share any.
+  ForEachParallel(static_cast<size_t>(size_.height), [&](size_t row) {
+    const auto begin_of = [&](int y) {
+      const auto is_above = [&](const ProjectedPoint& point) {
+        return surface.CellOf(point).y / side_ < y;
+      };
+      return static_cast<size_t>(std::ranges::partition_point(points, is_above) - points.begin());
+    };
+    const int y = static_cast<int>(row);
+    const size_t end = begin_of(y + 1);
+    for (size_t i = begin_of(y); i < end; ++i) choose(i);
+  });
   nodes_.clear();
   for (int y = 0; y < size_.height; ++y) {
     for (int x = 0; x < size_.width; ++x) {
