@@ -140,12 +140,12 @@ RefineAdapter::Refined RefineAdapter::RefineWhole(const Frame& frame) {
       return std::move(*result);
     }
   }
-  const Frame wide_frame = Widened(frame, columns);
-  if (result && refiner_.ShareBelowZero(ToGrey(GreyestLeft(wide_frame), left_grey_),
-                                        ToGrey(GreyestRight(wide_frame), right_grey_),
-                                        columns) <= kMinShare / 2) {
+  if (result &&
+      refiner_.ShareBelowZero(ToGrey(GreyestLeft(frame), left_grey_),
+                              ToGrey(GreyestRight(frame), right_grey_), columns) <= kMinShare / 2) {
     return std::move(*result);
   }
+  const Frame wide_frame = Widened(frame, columns);
   refiner_.SetColumns(columns);
   Refined wide = RefineFrom0(wide_frame);
   refiner_.SetColumns(0);

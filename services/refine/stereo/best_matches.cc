@@ -25,6 +25,7 @@ constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 struct MatchRow {
   const int16_t* first;
   int labels;
+  int unique_percent;
   cv::Range columns;
   const uint16_t* down;  // sums of the first of these columns
   const uint16_t* up;
@@ -86,14 +87,14 @@ HWY_INLINE int LeastLabel(const MatchRow& row, int u, const uint16_t* down, cons
 }
 
 // Whether the best beats all that are not beside it.
-HWY_INLINE bool IsUnique(int labels, const uint16_t* down, const uint16_t* up, int label) {
+HWY_INLINE bool IsUnique(const MatchRow& row, const uint16_t* down, const uint16_t* up, int label) {
   Words least = Words{} + kNoSum;
-  for (int i = 0; i < labels; i += kWords) {
+  for (int i = 0; i < row.labels; i += kWords) {
     // 0 to 2 for the best and those beside it.
     const Words from = kWord + static_cast<uint16_t>(i - label + 1);
     least = Least(least, from > uint16_t{2} ? SumOf(down + i, up + i) : Words{} + kNoSum);
   }
-  return LeastLane(least) * (100 - StereoRules::kUniquePercent) > (down[label] + up[label]) * 100;
+  return LeastLane(least) * (100 - row.unique_percent) > (down[label] + up[label]) * 100;
 }
 
 // From a label to the minimum of the parabola through its sum and those beside it.
@@ -114,7 +115,7 @@ void MatchRowOnTarget(const MatchRow& row) {
     if (row.confirmed_px == nullptr) continue;
     // At the end of the range the minimum may lie beyond it.
     const bool is_inside = label > 0 && label < row.labels - 1 && row.best[u] <= u;
-    if (!is_inside || !IsUnique(row.labels, down, up, label)) continue;
+    if (!is_inside || !IsUnique(row, down, up, label)) continue;
     row.confirmed_px[u] = static_cast<float>(row.best[u] + SubPixel(down + label, up + label));
   }
   if (row.confirmed_px == nullptr) return;
@@ -149,6 +150,7 @@ void BestMatches::Choose(const StereoSearch& search, int v, const cv::Range& col
   HWY_DYNAMIC_DISPATCH(MatchRowOnTarget)
   ({.first = first,
     .labels = search.labels,
+    .unique_percent = StereoRules::UniquePercent(search.diagonal),
     .columns = columns,
     .down = down,
     .up = up,

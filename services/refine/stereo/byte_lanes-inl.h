@@ -75,9 +75,14 @@ HWY_INLINE Bytes Narrowed(Words low, Words high) {
 }
 
 HWY_INLINE uint16_t LeastLane(Words x) {
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_SSE4  // one instruction
+  return static_cast<uint16_t>(
+      _mm_extract_epi16(_mm_minpos_epu16(reinterpret_cast<__m128i>(x)), 0));
+#else
   x = Least(x, Shuffled<4, 5, 6, 7, 0, 1, 2, 3>(x));
   x = Least(x, Shuffled<2, 3, 0, 1, 2, 3, 0, 1>(x));
   return x[0] < x[1] ? x[0] : x[1];
+#endif
 }
 
 }  // namespace HWY_NAMESPACE

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/core/parallel.h"
 #include "services/refine/stereo/stereo_rules.h"
 
 namespace sprout::refine {
@@ -130,21 +131,36 @@ PointSurface::Slope PointSurface::SlopeAt(const Seed& seed, const Around& around
   return slope;
 }
 
-void PointSurface::Set(std::span<const Seed> seeds, cv::Size cells, double spacing_px) {
+void PointSurface::FindSlopes(const cv::Mat1b& asked) {
+  std::vector<uint8_t> wanted(seeds_.size(), asked.empty() ? 1 : 0);
+  for (int y = 0; y < asked.rows; ++y) {
+    for (int x = 0; x < asked.cols; ++x) {
+      if (asked(y, x) == 0) continue;
+      for (const int index : AroundCell({x, y})) {
+        if (index != kNone) wanted[static_cast<size_t>(index)] = 1;
+      }
+    }
+  }
+  slopes_.assign(seeds_.size(), {});
+  ForEachParallel(static_cast<size_t>(own_.rows), [&](size_t row) {
+    const int y = static_cast<int>(row);
+    for (int x = 0; x < own_.cols; ++x) {
+      const auto own = static_cast<size_t>(own_(y, x));
+      if (own_(y, x) == kNone || wanted[own] == 0) continue;
+      slopes_[own] = SlopeAt(seeds_[own], AroundCell({x, y}));
+    }
+  });
+}
+
+void PointSurface::Set(std::span<const Seed> seeds, cv::Size cells, double spacing_px,
+                       const cv::Mat1b& asked) {
   seeds_ = seeds;
   if (seeds.empty()) return;
   spacing_px_ = spacing_px;
   own_.create(cells);
   PutIntoCells();
-  for (size_t i = 0; i < kSectors; ++i) FindNearest(i);
-  slopes_.assign(seeds.size(), {});
-  for (int y = 0; y < cells.height; ++y) {
-    for (int x = 0; x < cells.width; ++x) {
-      const int own = own_(y, x);
-      if (own == kNone) continue;
-      slopes_[static_cast<size_t>(own)] = SlopeAt(SeedOf(own), AroundCell({x, y}));
-    }
-  }
+  ForEachParallel(kSectors, [&](size_t i) { FindNearest(i); });
+  FindSlopes(asked);
 }
 
 double PointSurface::OffPx(cv::Point cell, double disparity_px) const {

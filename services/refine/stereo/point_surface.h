@@ -18,8 +18,12 @@ class PointSurface {
   /// @param seeds       of the range sensor; must live as long as SigmaPx() is called.
   /// @param cells       columns and rows of the grid.
   /// @param spacing_px  side of a cell, px.
-  /// O(cells + seeds); one thread. Keeps its memory, 20 bytes a cell.
-  void Set(std::span<const Seed> seeds, cv::Size cells, double spacing_px);
+  /// @param asked       of the grid's size: nonzero where SigmaPx() and OffPx() will be called;
+  ///                    empty: everywhere.
+  /// O(cells + seeds around those); on OpenCV's threads, with the same result for any number. Keeps
+  /// its memory, 20 bytes a cell.
+  void Set(std::span<const Seed> seeds, cv::Size cells, double spacing_px,
+           const cv::Mat1b& asked = {});
 
   /// Standard deviation of the disparity that the points around a cell give for its centre, px;
   /// infinite when there are no points.
@@ -45,6 +49,7 @@ class PointSurface {
   double Distance(int index, cv::Point cell) const;
   void PutIntoCells();
   void FindNearest(size_t quadrant);
+  void FindSlopes(const cv::Mat1b& asked);
   Around AroundCell(cv::Point cell) const;
   Slope SlopeAt(const Seed& seed, const Around& around) const;
 
@@ -52,7 +57,7 @@ class PointSurface {
   double spacing_px_ = 1;
   cv::Mat1i own_;  // the seed in a cell, of several the one in the middle
   std::array<cv::Mat1i, kSectors> quadrant_;  // the nearest seed there, the cell's own included
-  std::vector<Slope> slopes_;                 // at the seeds, px of disparity a px
+  std::vector<Slope> slopes_;                 // at the seeds around what is asked, px a px
 };
 
 }  // namespace sprout::refine

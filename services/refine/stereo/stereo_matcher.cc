@@ -87,20 +87,29 @@ int LabelsAt(int scale, int max_disparity_px) {
   return (max_disparity_px / scale + 2 + kLabels - 1) / kLabels * kLabels;
 }
 
-// Takes away what hangs together with fewer than StereoRules::kSmallestPatch others.
+// Takes away what hangs together with fewer than StereoRules::kSmallestPatch others. The build asks
+// the compiler to make vectors of the loops along rows.
 void RemoveSmallPatches(cv::Mat1f disparity_px) {
-  constexpr int kCountsPerPx = 16;  // for cv::filterSpeckles, which takes whole numbers
-  constexpr int16_t kNone = -kCountsPerPx;
+  constexpr float kCountsPerPx = 16;  // for cv::filterSpeckles, which takes whole numbers
+  constexpr int16_t kNone = -16;
   cv::Mat1s counts(disparity_px.size());
-  for (int v = 0; v < counts.rows; ++v) {
-    const float* px = disparity_px[v];
-    int16_t* row = counts[v];
+  const auto for_each_row = [&](const auto& act) {
+    ForRangesParallel(counts.rows, counts.rows, [&](const cv::Range& rows) {
+      for (int v = rows.start; v < rows.end; ++v) act(disparity_px[v], counts[v]);
+    });
+  };
+  for_each_row([&](const float* px, int16_t* row) {
     for (int u = 0; u < counts.cols; ++u) {
-      row[u] = std::isnan(px[u]) ? kNone : static_cast<int16_t>(px[u] * kCountsPerPx + 0.5);
+      const float known = px[u] >= 0 ? px[u] * kCountsPerPx + 0.5F : float{kNone};
+      row[u] = static_cast<int16_t>(static_cast<int>(known));
     }
-  }
+  });
   cv::filterSpeckles(counts, kNone, StereoRules::kSmallestPatch, kCountsPerPx);
-  disparity_px.setTo(std::numeric_limits<float>::quiet_NaN(), counts == kNone);
+  for_each_row([&](float* px, const int16_t* row) {
+    for (int u = 0; u < counts.cols; ++u) {
+      px[u] = row[u] == kNone ? std::numeric_limits<float>::quiet_NaN() : px[u];
+    }
+  });
 }
 
 }  // namespace
@@ -140,6 +149,7 @@ const cv::Mat1f& StereoMatcher::Match(const cv::Mat1b& left, const cv::Mat1b& ri
                                       const StereoMatcherSettings& settings) {
   BuildLevels(left, right, wanted, settings);
   const StereoMatches* matches = nullptr;
+  search_.diagonal = settings.diagonal;
   for (size_t i = levels_.size(); i-- > 0;) {
     const Level& level = levels_[i];
     if (matches == nullptr) {

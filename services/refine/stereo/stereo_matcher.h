@@ -13,6 +13,7 @@ namespace sprout::refine {
 /// The limits of StereoMatcher.
 struct StereoMatcherSettings {
   int max_disparity_px = 0;  ///< largest disparity of the images, px; > 0
+  bool diagonal = true;      ///< whether paths run so, too
   int most_pixels = 0;       ///< images with more are halved until they have no more; > 0
 };
 

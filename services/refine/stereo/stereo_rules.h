@@ -30,6 +30,8 @@ struct StereoRules {
   /// Cells around those that want a seed, which are matched as well so that path costs settle. By
   /// trial.
   static constexpr int kSettleCells = 4;
+  /// The same between coarse points, each of which holds the paths. Measured (NOTES.md).
+  static constexpr int kCoarseSettleCells = 2;
   /// Half the window that must lie in both images, px: growth's (5×5).
   static constexpr int kWindowRadius = 2;
 
@@ -91,7 +93,8 @@ struct StereoRules {
   static constexpr int kMaxCost = kBits + kMaxSlope + kMaxKnown;
 
   // The smoothness term, census bits: by trial (NOTES.md).
-  static constexpr int kSmallStep = 5;     ///< P1, a change by 1 px
+  /// P1, a change by 1 px; more where paths run along rows and columns only.
+  static constexpr int SmallStep(bool diagonal) { return diagonal ? 5 : 6; }
   static constexpr int kLargeStep = 35;    ///< P2, a larger one, over equal grey values
   static constexpr int kMinLarge = 7;      ///< least P2, across an image edge; > P1
   static constexpr int kHalfLargeAt = 20;  ///< difference of grey values that halves P2
@@ -99,7 +102,7 @@ struct StereoRules {
   // Which disparity is kept.
   /// By how many per cent the best disparity must cost less than all but its two neighbours. By
   /// trial.
-  static constexpr int kUniquePercent = 15;
+  static constexpr int UniquePercent(bool diagonal) { return diagonal ? 15 : 20; }
   /// How far the right pixel's best match may lead from the left pixel, px: the rounding of both.
   static constexpr int kConfirmedPx = 1;
 

@@ -21,6 +21,8 @@ struct StereoSearch {
   int labels = StereoRules::kLabels;
   /// Disparity that a range sensor gives for the pixel, px; kNowhere = none.
   cv::Mat1s known;
+  /// Whether paths run diagonally, too.
+  bool diagonal = true;
   /// Whether matches are to be confirmed, or only the best ones are wanted.
   bool confirm = true;
 };

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "common/core/image.h"
 #include "common/core/parallel.h"
 #include "services/refine/stereo/patch_matcher.h"
 
@@ -110,7 +111,7 @@ void StereoSeedFinder::FindUncovered(const CellGrid& grid, std::span<const Seed>
   cv::dilate(with_points, uncovered_, Disc(gap));
   uncovered_ = 1 - uncovered_;
   // Cells for which no match could be surer than the points around are left out, too.
-  points_.Set(seeds, grid.size, grid.spacing_px);
+  points_.Set(seeds, grid.size, grid.spacing_px, uncovered_);
   for (int y = 0; y < grid.size.height; ++y) {
     for (int x = 0; x < grid.size.width; ++x) {
       uint8_t& uncovered = uncovered_(y, x);
@@ -120,10 +121,10 @@ void StereoSeedFinder::FindUncovered(const CellGrid& grid, std::span<const Seed>
   }
 }
 
-void StereoSeedFinder::MarkWanted(const CellGrid& grid, cv::Size size) {
-  constexpr int kSide = 2 * StereoRules::kSettleCells + 1;
+void StereoSeedFinder::MarkWanted(const CellGrid& grid, cv::Size size, int settle_cells) {
+  const int side = 2 * settle_cells + 1;
   cv::Mat1b cells;
-  cv::dilate(uncovered_, cells, cv::Mat1b::ones(kSide, kSide));
+  cv::dilate(uncovered_, cells, cv::Mat1b::ones(side, side));
   wanted_.create(size);
   std::vector<int> columns;
   columns.reserve(static_cast<size_t>(size.width));
@@ -203,19 +204,13 @@ StereoMatcherSettings StereoSeedFinder::SettingsFor(int width, int columns) cons
           .most_pixels = config_.stereo_most_pixels()};
 }
 
-// The whole pair, halved until it has few pixels.
-const cv::Mat1f& StereoSeedFinder::MatchFew(const cv::Mat1b& left, const cv::Mat1b& right,
-                                            int columns) {
-  StereoMatcherSettings settings = SettingsFor(left.cols, columns);
+std::span<const Seed> StereoSeedFinder::FindCoarse(const cv::Mat1b& left, const cv::Mat1b& right,
+                                                   double& error_px) {
+  StereoMatcherSettings settings = SettingsFor(left.cols, columns_);
   settings.most_pixels = std::min(settings.most_pixels, StereoRules::kFewPixels);
   wanted_.create(left.size());
   wanted_ = 1;
-  return matcher_.Match(left, right, wanted_, {}, settings);
-}
-
-std::span<const Seed> StereoSeedFinder::FindCoarse(const cv::Mat1b& left, const cv::Mat1b& right,
-                                                   double& error_px) {
-  const cv::Mat1f& map = MatchFew(left, right, columns_);
+  const cv::Mat1f& map = matcher_.Match(left, right, wanted_, {}, settings);
   const double scale = matcher_.scale();
   error_px = scale / 2;
   const auto px = [&](int at) { return static_cast<float>((at + 0.5) * scale - 0.5); };
@@ -234,9 +229,27 @@ std::span<const Seed> StereoSeedFinder::FindCoarse(const cv::Mat1b& left, const 
 
 double StereoSeedFinder::ShareBelowZero(const cv::Mat1b& left, const cv::Mat1b& right,
                                         int columns) {
-  const cv::Mat1f& map = MatchFew(left, right, columns);
+  // Halved before they are widened: so no image of full size is copied.
+  cv::Mat1b small_left = left;
+  cv::Mat1b small_right = right;
+  int scale = 1;
+  const auto wider = [&] { return (columns + scale - 1) / scale; };
+  while ((small_left.cols + wider()) * small_left.rows > StereoRules::kFewPixels) {
+    small_left = Halved(small_left);
+    small_right = Halved(small_right);
+    scale *= 2;
+  }
+  const int zero = wider();
+  cv::Mat1b wide_left, wide_right;
+  cv::copyMakeBorder(small_left, wide_left, 0, 0, zero, 0, cv::BORDER_REPLICATE);
+  cv::copyMakeBorder(small_right, wide_right, 0, 0, 0, zero, cv::BORDER_REPLICATE);
+  const int most_px = SettingsFor(left.cols + columns, columns).max_disparity_px;
+  wanted_.create(wide_left.size());
+  wanted_ = 1;
+  const cv::Mat1f& map = matcher_.Match(
+      wide_left, wide_right, wanted_, {},
+      {.max_disparity_px = most_px / scale + 1, .most_pixels = wide_left.size().area()});
   const int known = cv::countNonZero(map == map);
-  const double zero = static_cast<double>(columns) / matcher_.scale();
   const int below = cv::countNonZero(map < zero + 0.5);
   return known == 0 ? 0 : static_cast<double>(below) / known;
 }
@@ -250,12 +263,16 @@ std::span<const Seed> StereoSeedFinder::Find(const cv::Mat1b& left, const cv::Ma
   unanswered_ = 0;
   if (std::min(left.cols, left.rows) <= 2 * kWindowRadius) return seeds_;  // no window fits
   const CellGrid grid(SpacingPx(left.cols), left.size());
-  FindUncovered(grid, seeds, covered, IsCoarse(spacing_px, left.cols) ? 0 : config_.stereo_gap(),
+  const bool coarse = IsCoarse(spacing_px, left.cols);
+  FindUncovered(grid, seeds, covered, coarse ? 0 : config_.stereo_gap(),
                 MatchingScale(left.size(), config_.stereo_most_pixels()));
   const auto wanted = static_cast<size_t>(cv::countNonZero(uncovered_));
   if (wanted == 0) return seeds_;
-  MarkWanted(grid, left.size());
-  const StereoMatcherSettings settings = SettingsFor(left.cols, columns_);
+  const bool between_points = coarse && !seeds.empty();  // that are believed
+  MarkWanted(grid, left.size(),
+             between_points ? StereoRules::kCoarseSettleCells : StereoRules::kSettleCells);
+  StereoMatcherSettings settings = SettingsFor(left.cols, columns_);
+  settings.diagonal = !between_points;
   const cv::Mat1f& map = matcher_.Match(left, right, wanted_, seeds, settings);
   found_.resize(static_cast<size_t>(grid.size.height));
   ForEachParallel(found_.size(), [&](size_t row) {

@@ -50,10 +50,9 @@ class StereoSeedFinder {
   /// points; valid until the next call of any.
   std::span<const Seed> FindCoarse(const cv::Mat1b& left, const cv::Mat1b& right, double& error_px);
 
-  /// The share of matches whose disparity in the cameras' images is, or may be, negative, in a pair
-  /// with so many more columns (see Widened()). Images are halved until they have kFewPixels; a
-  /// disparity of up to half of one of their px counts, too. A tenth of Find()'s time without
-  /// points.
+  /// The share of matches whose disparity is, or may be, negative down to −columns. Images are
+  /// halved until they have kFewPixels with so many more columns; a disparity of up to half of one
+  /// of their px counts, too. A tenth of Find()'s time without points.
   double ShareBelowZero(const cv::Mat1b& left, const cv::Mat1b& right, int columns);
 
   /// The images of the next calls are so many columns wider than the cameras', and all disparities
@@ -67,11 +66,10 @@ class StereoSeedFinder {
   bool IsCoarse(double spacing_px, int width) const;
 
  private:
-  const cv::Mat1f& MatchFew(const cv::Mat1b& left, const cv::Mat1b& right, int columns);
   StereoMatcherSettings SettingsFor(int width, int columns) const;
   void FindUncovered(const CellGrid& grid, std::span<const Seed> seeds,
                      std::span<const cv::Point2f> covered, double gap, double scale);
-  void MarkWanted(const CellGrid& grid, cv::Size size);
+  void MarkWanted(const CellGrid& grid, cv::Size size, int settle_cells);
   void TakeFrom(const cv::Mat1b& left, const cv::Mat1b& right, const CellGrid& grid,
                 const cv::Mat1f& disparity_px, const cv::Mat1f& most_px, int row);
 

@@ -243,7 +243,8 @@ TEST(StereoSeeds, TellWhetherDisparitiesAreNegative) {
   const auto share = [&](int far_px) {
     const Pair wide(Texture(size + cv::Size(kColumns, 0)),
                     [&](int, int v) { return kColumns + (v < size.height / 10 ? far_px : 20); });
-    return StereoSeedFinder(Config()).ShareBelowZero(wide.left, wide.right, kColumns);
+    return StereoSeedFinder(Config()).ShareBelowZero(wide.left.colRange(kColumns, wide.left.cols),
+                                                     wide.right.colRange(0, size.width), kColumns);
   };
   EXPECT_NEAR(share(-4), 0.1, 0.03);
   EXPECT_LT(share(4), 0.002);
@@ -260,16 +261,23 @@ TEST(StereoSeeds, DependOnNeitherTheNumberOfThreadsNorTheInstructionSet) {
   const std::vector<Seed> some = {{.u = 300, .v = 90, .u_right = 277}};
   const int before = cv::getNumThreads();
   cv::setNumThreads(1);
+  constexpr double kCoarsePx = 40;  // between points: with four paths
   const std::vector<Seed> expected = Find(pair, Config(), some, covered);
+  const std::vector<Seed> expected_of_coarse = Find(pair, Config(), some, covered, kCoarsePx);
   EXPECT_GT(expected.size(), 1000U);
+  EXPECT_GT(expected_of_coarse.size(), 1000U);
+  EXPECT_NE(expected_of_coarse, expected);
   cv::setNumThreads(3);
   EXPECT_EQ(Find(pair, Config(), some, covered), expected);
+  EXPECT_EQ(Find(pair, Config(), some, covered, kCoarsePx), expected_of_coarse);
   cv::setNumThreads(before);
   std::vector<int64_t> sets = {HWY_SCALAR};
   for (int64_t all = hwy::SupportedTargets(); all != 0; all &= all - 1) sets.push_back(all & -all);
   for (const int64_t set : sets) {
     UseInstructionSet(set);
     EXPECT_EQ(Find(pair, Config(), some, covered), expected) << hwy::TargetName(set);
+    EXPECT_EQ(Find(pair, Config(), some, covered, kCoarsePx), expected_of_coarse)
+        << hwy::TargetName(set);
   }
   UseInstructionSet(0);
 }
