@@ -12,6 +12,7 @@ namespace {
 constexpr size_t kFewestAtKnot = 40;
 constexpr size_t kMaxKnots = 24;
 constexpr double kMinStep = 0.05;       // between knots, a share of the range
+constexpr double kFarStep = 0.25;       // a straight line tells nothing between knots as far apart
 constexpr double kExpectedM = 0.02;     // τ: data sheets allow 1 to 2 cm
 constexpr double kCurveLossSigmas = 2;  // as AdjustScene()'s
 constexpr double kCurveSharing = 4;     // matches that share an error, as there
@@ -46,6 +47,16 @@ Eigen::VectorXd WeightsAt(const std::vector<double>& knots, double range_m) {
     weights[above] = share;
   }
   return weights;
+}
+
+// Whether a range lies between knots so far apart that the curve may take any way there, and is
+// not near either. A sample there would turn the line about the nearer knot and so move the other.
+bool IsInGap(const std::vector<double>& knots, double range_m) {
+  const auto above = std::ranges::upper_bound(knots, range_m);
+  if (above == knots.begin() || above == knots.end()) return false;
+  const double below_m = *(above - 1);
+  return *above > (1 + kFarStep) * below_m && range_m > (1 + kMinStep) * below_m &&
+         *above > (1 + kMinStep) * range_m;
 }
 
 // What the samples at a range share, of the nearest one.
@@ -89,6 +100,7 @@ RangeCorrection FitRangeCurve(std::vector<RangeSample> samples) {
   std::ranges::stable_sort(samples, {}, &RangeSample::range_m);
   const std::vector<double> knots = KnotRanges(samples);
   if (knots.empty()) return {};
+  std::erase_if(samples, [&](const RangeSample& s) { return IsInGap(knots, s.range_m); });
   const auto count = static_cast<Eigen::Index>(knots.size());
   Eigen::VectorXd curve = Eigen::VectorXd::Zero(count);
   Sums sums(count);

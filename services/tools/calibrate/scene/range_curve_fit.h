@@ -24,8 +24,9 @@ bool IsSignificantCorrection(double offset_m, double sigma_m);
 ///
 /// with ρ Cauchy's loss, s ≥ 1 the residuals' robust scatter, τ = 20 mm what is expected of a range
 /// sensor. Each knot has the same number of samples, at least 40, and ranges 5 % apart; there are
-/// up to 24. By iterated least squares. The variance of a knot is that of an M-estimate, at least
-/// that of weighted least squares, and what samples share.
+/// up to 24. Samples between knots more than 25 % apart count only within 5 % of one. By iterated
+/// least squares. The variance of a knot is that of an M-estimate, at least that of weighted least
+/// squares, and what samples share.
 ///
 /// @returns nothing when no knot is significant, as above. One thread; same input, same bytes.
 /// O(samples).

@@ -49,6 +49,29 @@ TEST(RangeCurveFit, StaysAwayFromARightSensorAndFromTooFewMatches) {
   EXPECT_NEAR(one[0].offset_m, -0.02, 0.002);
 }
 
+// Ranges that few matches have, between two surfaces: they must not turn the line and so move its
+// far end, which has few of its own.
+TEST(RangeCurveFit, TakesNoStraightLineAcrossAGap) {
+  std::vector<RangeSample> samples;
+  const auto add = [&](int count, double range_m, double spread_m, double error_m, double sigma_m) {
+    for (int i = 0; i < count; ++i) {
+      const auto key = static_cast<uint64_t>(100 * samples.size());
+      samples.push_back({.range_m = range_m + spread_m * i / count,
+                         .error_m = error_m + sigma_m * scenes::NormalDeviate(key),
+                         .sigma_m = sigma_m});
+    }
+  };
+  add(160, 1.3, 0.25, 0.01, 0.003);
+  add(30, 1.63, 0.04, -0.012, 0.003);
+  add(50, 2.9, 0.1, 0, 0.009);
+  const RangeCorrection curve = FitRangeCurve(samples);
+  ASSERT_GE(curve.size(), 3);
+  EXPECT_NEAR(curve.front().offset_m, -0.01, 0.002);
+  EXPECT_GT(curve.back().range_m, 2.9);
+  EXPECT_NEAR(curve.back().offset_m, 0, 3 * curve.back().sigma_m);
+  EXPECT_NEAR(curve.back().offset_m, 0, 0.006);
+}
+
 TEST(RangeCurveFit, IsUnsureWhereMatchesAreNoisy) {
   const auto error = [](double) { return 0.02; };
   const RangeCorrection sure = FitRangeCurve(Samples(2000, 0.002, error));
