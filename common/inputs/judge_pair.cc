@@ -118,11 +118,10 @@ void JudgeOrder(const cv::Mat1b& left, const cv::Mat1b& right, const PairModel& 
   const OcclusionOrder order = FindOcclusionOrder(left, right, least, most);
   if (order.sure < -PairRules::kSureOrder) {
     finding.verdict = Verdict::kBad;
-    finding.text = fmt::format("{}: what lies behind hides what lies before, by {:.1f} σ", kSwapped,
-                               -order.sure);
+    finding.text = fmt::format("{}: far things hide near ones, by {:.1f} σ", kSwapped, -order.sure);
   } else if (order.sure > PairRules::kSureOrder) {
     finding.verdict = Verdict::kGood;
-    finding.text = fmt::format("what lies before hides what lies behind, by {:.1f} σ", order.sure);
+    finding.text = fmt::format("near things hide far ones, by {:.1f} σ", order.sure);
   }
 }
 
