@@ -27,11 +27,13 @@ struct StereoRules {
   /// From so many cells a point on, points are coarse: a cell beside one is not explained by it,
   /// and they show the shape of the scene as well as their noise.
   static constexpr double kCoarseCells = 1.5;
-  /// Cells around those that want a seed, which are matched as well so that path costs settle. By
-  /// trial.
+  /// Cells around a gap of at least 3×3 cells that want a seed, which are matched as well so that
+  /// path costs settle. By trial.
   static constexpr int kSettleCells = 4;
   /// The same between coarse points, each of which holds the paths. Measured (NOTES.md).
   static constexpr int kCoarseSettleCells = 2;
+  /// The same around smaller gaps, which points on all sides hold. Measured (NOTES.md).
+  static constexpr int kSmallGapCells = 1;
   /// Half the window that must lie in both images, px: growth's (5×5).
   static constexpr int kWindowRadius = 2;
 

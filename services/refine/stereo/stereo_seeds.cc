@@ -122,9 +122,12 @@ void StereoSeedFinder::FindUncovered(const CellGrid& grid, std::span<const Seed>
 }
 
 void StereoSeedFinder::MarkWanted(const CellGrid& grid, cv::Size size, int settle_cells) {
-  const int side = 2 * settle_cells + 1;
-  cv::Mat1b cells;
-  cv::dilate(uncovered_, cells, cv::Mat1b::ones(side, side));
+  const auto square = [](int reach) { return cv::Mat1b::ones(2 * reach + 1, 2 * reach + 1); };
+  cv::Mat1b cells, large_gaps;
+  cv::dilate(uncovered_, cells, square(StereoRules::kSmallGapCells));
+  cv::erode(uncovered_, large_gaps, square(1));
+  cv::dilate(large_gaps, large_gaps, square(1 + settle_cells));
+  cells |= large_gaps;
   wanted_.create(size);
   std::vector<int> columns;
   columns.reserve(static_cast<size_t>(size.width));
