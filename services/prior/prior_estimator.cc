@@ -99,18 +99,14 @@ Result<PriorMap> PriorEstimator::Interpolated(std::span<const Seed> seeds, cv::S
 Result<PriorMap> PriorEstimator::WithEdges(const cv::Mat& left, const cv::Mat1b& left_grey,
                                            const cv::Mat& right, std::span<const Seed> seeds,
                                            cv::Size size) {
-  EdgeImages& images = memory_->images;
-  Result<Triangulation> triangulation;
-  RunBoth([&] { triangulation = TriangulateOrSayWhy(seeds); },
-          [&] {
-            images.left_bgr = ToBgr(left, memory_->left_bgr);
-            images.left_grey =
-                left_grey.size() == size ? left_grey : ToGrey(left, memory_->left_grey);
-            images.right_grey = ToGrey(right, memory_->right_grey);
-            CensusTransform(images.left_grey, images.left_census);
-            CensusTransform(images.right_grey, images.right_census);
-          });
+  Result<Triangulation> triangulation = TriangulateOrSayWhy(seeds);
   if (!triangulation) return tl::unexpected(triangulation.error());
+  EdgeImages& images = memory_->images;
+  images.left_bgr = ToBgr(left, memory_->left_bgr);
+  images.left_grey = left_grey.size() == size ? left_grey : ToGrey(left, memory_->left_grey);
+  images.right_grey = ToGrey(right, memory_->right_grey);
+  CensusTransform(images.left_grey, images.left_census);
+  CensusTransform(images.right_grey, images.right_census);
   const double spacing_px = SpacingPx(seeds, triangulation->triangles);
   TakeOffFlatTriangles(seeds, kLongestSpacings * spacing_px, kDeepestSpacings * spacing_px,
                        *triangulation);

@@ -6,10 +6,12 @@
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <tuple>
 #include <utility>
 
+#include "common/core/parallel.h"
 #include "services/prior/triangulation/grid_cells.h"
 
 namespace sprout::prior {
@@ -150,8 +152,11 @@ void PlacesAround(std::vector<Wedge>& wedges, std::vector<int>& places) {
     return std::find_if(wedges.begin() + static_cast<std::ptrdiff_t>(begin), wedges.end(),
                         [&](const Wedge& wedge) { return wedge.from == place; });
   };
-  // Where the fan is open, on the hull, it starts at what none leads to.
-  for (size_t i = 0; i < wedges.size(); ++i) {
+  // Where the fan is open, on the hull, it starts at what none leads to. In a closed one each place
+  // is come to and left.
+  int ends = 0;
+  for (const Wedge& wedge : wedges) ends ^= wedge.from ^ wedge.to;
+  for (size_t i = 0; ends != 0 && i < wedges.size(); ++i) {
     const int from = wedges[i].from;
     if (std::none_of(wedges.begin(), wedges.end(),
                      [&](const Wedge& wedge) { return wedge.to == from; })) {
@@ -190,6 +195,14 @@ std::vector<int> HullOf(const std::vector<int>& next) {
   return hull;
 }
 
+// Places one behind the other, with what is found around them.
+struct PlaceRange {
+  size_t begin = 0, end = 0;
+  std::vector<SeedTriangle> triangles;
+  std::vector<int> neighbours;
+};
+constexpr size_t kPlaceRanges = 32;
+
 }  // namespace
 
 Triangulation Triangulate(std::span<const Seed> seeds) {
@@ -206,29 +219,45 @@ Triangulation Triangulate(std::span<const Seed> seeds) {
   const GridCells cells(points);
   const TrianglesBetween between(points, cells);
   std::vector<int> next_on_hull(order.size(), kInfinite);
-  std::vector<Wedge> wedges;
-  std::vector<int> around;
+  std::array<PlaceRange, kPlaceRanges> ranges;
+  ForEachParallel(kPlaceRanges, [&](size_t k) {
+    PlaceRange& range = ranges[k];
+    range.begin = order.size() * k / kPlaceRanges;
+    range.end = order.size() * (k + 1) / kPlaceRanges;
+    range.triangles.reserve(2 * (range.end - range.begin));
+    range.neighbours.reserve(6 * (range.end - range.begin));
+    std::vector<Wedge> wedges;
+    std::vector<int> around;
+    for (size_t i = range.begin; i < range.end; ++i) {
+      const auto place = static_cast<int>(i);
+      const std::span<const Wedge> others = between.WedgesAt(place);
+      wedges.assign(others.begin(), others.end());
+      cells.AddWedges(place, wedges);
+      PlacesAround(wedges, around);
+      if (!around.empty() && around.front() == kInfinite) next_on_hull[i] = around[1];
+      Triangulation::List& list = result.lists[static_cast<size_t>(order[i])];
+      list.begin = range.neighbours.size();
+      for (size_t j = 0; j < around.size(); ++j) {
+        const int one = around[j];
+        const int next = around[(j + 1) % around.size()];
+        if (one != kInfinite) range.neighbours.push_back(seed(one));
+        if (one < place || next < place) continue;  // a triangle is told by its first corner
+        const SeedTriangle triangle{order[i], seed(one), seed(next)};
+        const auto corner = [&](size_t n) { return seeds[static_cast<size_t>(triangle[n])]; };
+        if (HasArea(corner(0), corner(1), corner(2))) range.triangles.push_back(triangle);
+      }
+      list.size = range.neighbours.size() - list.begin;
+    }
+  });
   result.triangles.reserve(2 * order.size());
   result.neighbours.reserve(6 * order.size());
-  for (size_t i = 0; i < order.size(); ++i) {
-    const auto place = static_cast<int>(i);
-    const std::span<const Wedge> others = between.WedgesAt(place);
-    wedges.assign(others.begin(), others.end());
-    cells.AddWedges(place, wedges);
-    PlacesAround(wedges, around);
-    if (!around.empty() && around.front() == kInfinite) next_on_hull[i] = around[1];
-    Triangulation::List& list = result.lists[static_cast<size_t>(order[i])];
-    list.begin = result.neighbours.size();
-    for (size_t k = 0; k < around.size(); ++k) {
-      const int one = around[k];
-      const int next = around[(k + 1) % around.size()];
-      if (one != kInfinite) result.neighbours.push_back(seed(one));
-      if (one < place || next < place) continue;  // a triangle is told by its first corner
-      const SeedTriangle triangle{order[i], seed(one), seed(next)};
-      const auto corner = [&](size_t n) { return seeds[static_cast<size_t>(triangle[n])]; };
-      if (HasArea(corner(0), corner(1), corner(2))) result.triangles.push_back(triangle);
+  for (const PlaceRange& range : ranges) {
+    for (size_t i = range.begin; i < range.end; ++i) {
+      result.lists[static_cast<size_t>(order[i])].begin += result.neighbours.size();
     }
-    list.size = result.neighbours.size() - list.begin;
+    result.triangles.insert(result.triangles.end(), range.triangles.begin(), range.triangles.end());
+    result.neighbours.insert(result.neighbours.end(), range.neighbours.begin(),
+                             range.neighbours.end());
   }
   for (int place : HullOf(next_on_hull)) result.hull.push_back(seed(place));
   return result;

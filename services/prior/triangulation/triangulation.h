@@ -41,7 +41,8 @@ struct Triangulation {
 ///
 /// @param seeds  finite.
 /// @returns no triangles for fewer than three positions, or when all lie on one line.
-/// O(n log n); one thread. By CGAL, whose 2D triangulations are under the GPL.
+/// O(n log n); on OpenCV's threads but for what CGAL does, with the same result for any number.
+/// CGAL's 2D triangulations are under the GPL.
 Triangulation Triangulate(std::span<const Seed> seeds);
 
 /// The seeds around some, ring by ring: their neighbours, the neighbours of those, and so on. One
