@@ -40,41 +40,72 @@ void PutKnown(std::span<const Seed> seeds, int scale, cv::Mat1s& known) {
   }
 }
 
-// The range of a pixel from what a coarser image gave for the 3×3 pixels around it.
-int16_t FirstOf(const cv::Mat1s& coarser, int u, int v) {
-  const int own = 2 * coarser(v, u);
-  int least = own;
-  int most = own;
-  for (int y = std::max(0, v - 1); y <= std::min(coarser.rows - 1, v + 1); ++y) {
-    for (int x = std::max(0, u - 1); x <= std::min(coarser.cols - 1, u + 1); ++x) {
-      if (coarser(y, x) == StereoSearch::kNowhere) continue;
-      least = std::min(least, 2 * coarser(y, x));
-      most = std::max(most, 2 * coarser(y, x));
+// The first disparities of a row's pixels, from what a coarser image gave for the 3×3 pixels around
+// each. The build asks the compiler to make vectors of the loops, which count in 16 bits.
+class RowRanges {
+ public:
+  explicit RowRanges(const cv::Mat1s& coarser)
+      : coarser_(coarser),
+        width_(coarser.cols),
+        least_(static_cast<size_t>(width_ + 2), INT16_MAX),
+        most_(least_.size(), StereoSearch::kNowhere),
+        ranges_(2 * static_cast<size_t>(width_)) {}
+
+  // @returns each range twice, for the pixels of the finer image.
+  const int16_t* Of(int v) {
+    const int16_t* const above = coarser_[std::max(0, v - 1)];
+    const int16_t* const here = coarser_[v];
+    const int16_t* const below = coarser_[std::min(coarser_.rows - 1, v + 1)];
+    const auto known = [](int16_t d) {
+      return d == StereoSearch::kNowhere ? int16_t{INT16_MAX} : d;
+    };
+    int16_t* const least = least_.data();
+    int16_t* const most = most_.data();
+    for (int u = 0; u < width_; ++u) {
+      least[u + 1] = std::min(std::min(known(above[u]), known(here[u])), known(below[u]));
+      most[u + 1] = std::max(std::max(above[u], here[u]), below[u]);
     }
+    int16_t* const ranges = ranges_.data();
+    for (int u = 0; u < width_; ++u) {
+      const int16_t range = First(here[u], std::min(std::min(least[u], least[u + 1]), least[u + 2]),
+                                  std::max(std::max(most[u], most[u + 1]), most[u + 2]));
+      ranges[2 * u] = ranges[2 * u + 1] = here[u] == StereoSearch::kNowhere ? here[u] : range;
+    }
+    return ranges;
   }
-  least -= StereoRules::kBeyondPx;
-  most += StereoRules::kBeyondPx + 1;
-  const int spare = kLabels - (most - least + 1);
-  // If there are too many disparities for one pixel, those around its own are searched.
-  const int first =
-      spare >= 0 ? least - spare / 2 : std::clamp(own - kLabels / 2 + 1, least, most - kLabels + 1);
-  return static_cast<int16_t>(std::max(0, first));
-}
+
+ private:
+  static int16_t Number(int x) { return static_cast<int16_t>(x); }
+
+  // @param least, most  of the disparities around, in the coarser image's px.
+  static int16_t First(int16_t own, int16_t least, int16_t most) {
+    const int16_t from = Number(2 * least - StereoRules::kBeyondPx);
+    const int16_t to = Number(2 * most + StereoRules::kBeyondPx + 1);
+    const int16_t spare = Number(kLabels - 1 - (to - from));
+    const int16_t centred = Number(from - (spare >> 1));
+    // If there are too many disparities for one pixel, those around its own are searched.
+    const int16_t around = Number(2 * own - kLabels / 2 + 1);
+    const int16_t held = std::min(std::max(around, from), Number(to - kLabels + 1));
+    return std::max(int16_t{0}, spare >= 0 ? centred : held);
+  }
+
+  const cv::Mat1s& coarser_;
+  int width_;
+  std::vector<int16_t> least_, most_;  // of three rows; one column more on either side
+  std::vector<int16_t> ranges_;
+};
 
 void SearchAround(const cv::Mat1s& coarser, const cv::Mat1b& wanted, cv::Mat1s& first) {
   first.create(wanted.size());
   ForRangesParallel(coarser.rows, coarser.rows, [&](const cv::Range& rows) {
+    RowRanges row_ranges(coarser);
     for (int v = rows.start; v < rows.end; ++v) {
-      const int last_row = std::min(2 * v + 1, wanted.rows - 1);
-      for (int u = 0; u < coarser.cols; ++u) {
-        // Four pixels have the same range.
-        const bool any = coarser(v, u) != StereoSearch::kNowhere;
-        const int16_t range = any ? FirstOf(coarser, u, v) : StereoSearch::kNowhere;
-        const int last_column = std::min(2 * u + 1, wanted.cols - 1);
-        for (int y = 2 * v; y <= last_row; ++y) {
-          for (int x = 2 * u; x <= last_column; ++x) {
-            first(y, x) = wanted(y, x) != 0 ? range : StereoSearch::kNowhere;
-          }
+      const int16_t* const ranges = row_ranges.Of(v);  // four pixels have the same
+      for (int y = 2 * v; y <= std::min(2 * v + 1, wanted.rows - 1); ++y) {
+        const uint8_t* const is_wanted = wanted[y];
+        int16_t* const to = first[y];
+        for (int u = 0; u < wanted.cols; ++u) {
+          to[u] = is_wanted[u] != 0 ? ranges[u] : StereoSearch::kNowhere;
         }
       }
     }
