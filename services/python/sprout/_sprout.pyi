@@ -1,6 +1,6 @@
 # Made by services/python/make_stubs from the docstrings of the module.
 import os
-from typing import Any, Callable, Dict, List, Literal, Optional, Sequence, Tuple, Union, overload
+from typing import Any, Callable, Dict, Iterator, List, Literal, Optional, Sequence, Tuple, Union, overload
 
 import numpy
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ class Config:
 class Dataset:
     def __init__(self, source: str, config: Optional[Config] = ...) -> None: ...
     def __getitem__(self, number: int) -> Frame: ...
+    def __iter__(self) -> Iterator[Frame]: ...  # by its numbers
     def __len__(self) -> int: ...
     @property
     def rig(self) -> Rig: ...

@@ -15,8 +15,8 @@ from frames import SAMPLE, compute, environment, synthetic
 WORK = {
     "compute": """
         scene = sprout.Dataset("synthetic:160x120?tof=grid")[0]
-        pipeline = sprout.Pipeline("fast")
         def work():
+            pipeline = sprout.Pipeline("fast")
             while True:
                 pipeline.compute(scene.left, scene.right, scene.tof, scene.rig)
                 begun.set()
