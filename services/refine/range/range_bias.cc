@@ -30,6 +30,23 @@ void MovePoint(const RectifiedPair& pair, const Eigen::Vector3d& centre, double 
 
 }  // namespace
 
+// Costs reach a few px to either side, on the slant as measured: what is far off is seen better
+// from where the first look puts it.
+void RangeBias::LookAgain(const RangeInput& input) {
+  for (int look = 0; look < RangeRules::kMoreLooks && field_.variance_px2() > 0; ++look) {
+    const std::span<const NodeOffset> offsets = field_.offsets();
+    if (std::ranges::none_of(offsets, [](const NodeOffset& offset) {
+          return std::abs(offset.offset_px) >= RangeRules::kFarOffsetPx;
+        })) {
+      return;
+    }
+    std::vector<double> moves_px = start_px_;
+    for (size_t i = 0; i < moves_px.size(); ++i) moves_px[i] += offsets[i].offset_px;
+    nodes_.Move(input, moves_px);
+    field_.Improve(nodes_);
+  }
+}
+
 // Which nodes the images contradict; returns their share of those whose texture can show it.
 double RangeBias::JudgeNodes() {
   const std::span<const RangeNode> nodes = nodes_.nodes();
@@ -92,7 +109,8 @@ RangeBias::PointError RangeBias::ErrorOf(const TofSurface& surface,
     const double down = cell.y - of.y;
     const double w = 1 / (0.25 + across * across + down * down);
     sums.weight += w;
-    sums.offset += w * offset.offset_px;
+    const cv::Point2d way = at - nodes_.nodes()[node].at;
+    sums.offset += w * (offset.offset_px + offset.slope.dot(way));
     sums.variance += w * offset.sigma_px * offset.sigma_px;
     sums.wrong += w * wrong_nodes_[node];
   };
@@ -164,6 +182,7 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
     for (const RangeNode& node : nodes) start_px_.push_back(curve_.OffsetPx(pair, node.disparity));
     // Where points are far apart their slopes are not known well enough.
     field_.Estimate(nodes_, start_px_, !input.coarse);
+    LookAgain(input);
     error_.contradicted_share = JudgeNodes();
     if (error_.contradicted_share > RangeRules::kRejectedShare) {
       error_.rejected = true;

@@ -189,7 +189,7 @@ void RangeField::Relax(const RangeNodes& nodes) {
 }
 
 // By how much the images around a node say, and by how much offsets vary where they say something.
-void RangeField::SetSigma(const RangeNodes& nodes, double proved_px2) {
+void RangeField::SetSigma(const RangeNodes& nodes) {
   const std::span<const RangeNode> all = nodes.nodes();
   double squares = 0;
   double weight = 1e-9;
@@ -197,7 +197,7 @@ void RangeField::SetSigma(const RangeNodes& nodes, double proved_px2) {
     squares += information_[i] * offsets_[i].offset_px * offsets_[i].offset_px;
     weight += information_[i];
   }
-  variance_px2_ = RangeRules::kUnseenFactor * std::max(squares / weight, proved_px2);
+  variance_px2_ = RangeRules::kUnseenFactor * std::max(squares / weight, proved_.square);
   if (variance_px2_ < RangeRules::kMinVariance) {
     variance_px2_ = 0;
     return;
@@ -208,6 +208,13 @@ void RangeField::SetSigma(const RangeNodes& nodes, double proved_px2) {
     offsets_[i].sigma_px =
         std::sqrt(1 / (1 / variance_px2_ + information / RangeRules::kCurvatureVariance));
   }
+}
+
+void RangeField::SetSlopes(const RangeNodes& nodes) {
+  std::vector<double> offsets;
+  offsets.reserve(offsets_.size());
+  for (const NodeOffset& offset : offsets_) offsets.push_back(offset.offset_px);
+  for (size_t i = 0; i < offsets.size(); ++i) offsets_[i].slope = nodes.SlopeOf(i, offsets);
 }
 
 // How alike the windows around each node are, and whether they should be.
@@ -239,15 +246,20 @@ void RangeField::Judge(const RangeNodes& nodes, std::span<const double> start_px
 
 void RangeField::FindOffsets(const RangeNodes& nodes) {
   Optimise(nodes, RangeRules::kFieldMoved);
-  const Proved proved = KeepProved(nodes);
-  if (proved.share <= RangeRules::kMovedShare) return;
-  // Eq. (R7): as probable as what was found makes it.
-  const auto price =
-      static_cast<float>(RangeRules::kOddsPrice * std::log((1 - proved.share) / proved.share));
-  Optimise(nodes, std::clamp(price, RangeRules::kMinMoved, RangeRules::kFieldMoved));
+  proved_ = KeepProved(nodes);
+  if (proved_.share <= RangeRules::kMovedShare) return;
+  OptimiseAgain(nodes);
   Choose();
   Relax(nodes);
-  SetSigma(nodes, proved.square);
+  SetSigma(nodes);
+  if (variance_px2_ > 0) SetSlopes(nodes);
+}
+
+// Eq. (R7): an offset is as probable as what was proved makes it.
+void RangeField::OptimiseAgain(const RangeNodes& nodes) {
+  const auto price =
+      static_cast<float>(RangeRules::kOddsPrice * std::log((1 - proved_.share) / proved_.share));
+  Optimise(nodes, std::clamp(price, RangeRules::kMinMoved, RangeRules::kFieldMoved));
 }
 
 void RangeField::Estimate(const RangeNodes& nodes, std::span<const double> start_px, bool moves) {
@@ -258,6 +270,25 @@ void RangeField::Estimate(const RangeNodes& nodes, std::span<const double> start
     FindOffsets(nodes);
   }
   Judge(nodes, start_px);
+}
+
+void RangeField::Improve(const RangeNodes& nodes) {
+  const std::vector<NodeOffset> before = offsets_;
+  const std::vector<double> none(before.size());
+  SetCosts(nodes, none);
+  OptimiseAgain(nodes);
+  Choose();
+  for (size_t i = 0; i < before.size(); ++i) {
+    if (labels_[i] == RangeRules::kZeroLabel &&
+        std::abs(before[i].offset_px) < RangeRules::kFarOffsetPx) {
+      offsets_[i].offset_px = 0;
+    }
+  }
+  Relax(nodes);
+  Judge(nodes, none);
+  for (size_t i = 0; i < before.size(); ++i) offsets_[i].offset_px += before[i].offset_px;
+  SetSigma(nodes);
+  if (variance_px2_ > 0) SetSlopes(nodes);
 }
 
 }  // namespace sprout::refine

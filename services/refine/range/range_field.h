@@ -13,6 +13,7 @@ namespace sprout::refine {
 /// What the scene adds at a node, and how sure that is.
 struct NodeOffset {
   double offset_px = 0;  ///< to add to the disparity, beside the curve's
+  cv::Point2d slope;     ///< of the offset, px a px
   double sigma_px = 0;
   double likeness = 1;  ///< of the windows around the node at that offset, weighted by texture
   double texture = 0;   ///< mean variance of those windows, grey levels²
@@ -27,6 +28,11 @@ class RangeField {
   /// O(nodes · labels); no I/O; on OpenCV's threads, with the same result for any number.
   void Estimate(const RangeNodes& nodes, std::span<const double> start_px, bool moves);
 
+  /// Looks again: offsets up to half a px are changed only where the first look was from afar.
+  /// @param nodes  moved by start_px and the offsets, RangeNodes::Move().
+  /// @pre variance_px2() > 0. Time as Estimate().
+  void Improve(const RangeNodes& nodes);
+
   /// The offsets of the nodes.
   std::span<const NodeOffset> offsets() const { return offsets_; }
   /// Variance of the offsets, px²: what a point that no node speaks for may be off by.
@@ -36,6 +42,8 @@ class RangeField {
   void SetCosts(const RangeNodes& nodes, std::span<const double> start_px);
   void Sum(const RangeNodes& nodes);
   void FindOffsets(const RangeNodes& nodes);
+  void OptimiseAgain(const RangeNodes& nodes);
+  void SetSlopes(const RangeNodes& nodes);
   void Optimise(const RangeNodes& nodes, float moved);
   void AddPath(const RangeNodes& nodes, bool along_rows, bool back, float moved);
   struct Proved {
@@ -45,7 +53,7 @@ class RangeField {
   Proved KeepProved(const RangeNodes& nodes);
   void Choose();
   void Relax(const RangeNodes& nodes);
-  void SetSigma(const RangeNodes& nodes, double proved_px2);
+  void SetSigma(const RangeNodes& nodes);
   void Judge(const RangeNodes& nodes, std::span<const double> start_px);
 
   std::vector<OffsetCosts> data_;  // of the nodes
@@ -55,6 +63,7 @@ class RangeField {
   std::vector<OffsetCosts> sums_;
   std::vector<NodeOffset> offsets_;
   double variance_px2_ = 0;
+  Proved proved_;
   std::vector<size_t> labels_;
   std::vector<double> information_;  // of the nodes' own offsets, 1/px²
 };

@@ -183,6 +183,34 @@ void RangeNodes::Set(const RangeInput& input, std::span<const ProjectedPoint> po
   for (size_t i = 0; i < nodes_.size(); ++i) index_(nodes_[i].cell) = static_cast<int>(i);
 }
 
+cv::Point2d RangeNodes::SlopeOf(size_t node, std::span<const double> offsets_px) const {
+  // One px² more keeps nodes in a line solvable.
+  double xx = 1, xy = 0, yy = 1, xo = 0, yo = 0;
+  for (const uint32_t other : SurfaceAround(node)) {
+    const cv::Point2d way = nodes_[other].at - nodes_[node].at;
+    const double off = offsets_px[other] - offsets_px[node];
+    xx += way.x * way.x;
+    xy += way.x * way.y;
+    yy += way.y * way.y;
+    xo += way.x * off;
+    yo += way.y * off;
+  }
+  const double det = xx * yy - xy * xy;
+  return {(yy * xo - xy * yo) / det, (xx * yo - xy * xo) / det};
+}
+
+void RangeNodes::Move(const RangeInput& input, std::span<const double> offsets_px) {
+  ForEachParallel(nodes_.size(), [&](size_t i) {
+    RangeNode& node = nodes_[i];
+    const SlantedPatch patch{node.at, node.disparity + offsets_px[i],
+                             node.slope + SlopeOf(i, offsets_px)};
+    // What leaves the images shows nothing.
+    node.moments = MomentsOf(input.left, input.right, patch).value_or(OffsetMoments{});
+    node.costs = CostsOf(node.moments, noise_);
+    node.distinctness = DistinctnessOf(node.costs);
+  });
+}
+
 bool RangeNodes::AreOneSurface(size_t a, size_t b) const {
   const cv::Point way = nodes_[b].cell - nodes_[a].cell;
   if (std::abs(way.x) <= 1 && std::abs(way.y) <= 1) return (links_[a].bits & BitOf(way)) != 0;

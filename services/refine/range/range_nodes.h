@@ -80,6 +80,12 @@ class RangeNodes {
     return std::span(links_[node].around).first(links_[node].count);
   }
   bool AreOneSurface(size_t a, size_t b) const;
+  /// How offsets of all nodes change around one on its surface, px a px: the slope of the
+  /// least-squares plane. Call Link() before.
+  cv::Point2d SlopeOf(size_t node, std::span<const double> offsets_px) const;
+  /// Compares the images again, at all nodes moved by offsets. Their disparities stay as measured.
+  /// Call Link() before. O(nodes); on OpenCV's threads.
+  void Move(const RangeInput& input, std::span<const double> offsets_px);
 
   /// Where a point lies, in cells; the middle of cell (0, 0) is (0, 0).
   cv::Point2d CellOf(const TofSurface& surface, const ProjectedPoint& point) const {
