@@ -31,20 +31,22 @@ void MovePoint(const RectifiedPair& pair, const Eigen::Vector3d& centre, double 
 }  // namespace
 
 // Costs reach a few px to either side, on the slant as measured: what is far off is seen better
-// from where the first look puts it.
-void RangeBias::LookAgain(const RangeInput& input) {
-  for (int look = 0; look < RangeRules::kMoreLooks && field_.variance_px2() > 0; ++look) {
+// from where the first look puts it. Returns whether there was any.
+bool RangeBias::LookAgain(const RangeInput& input) {
+  int look = 0;
+  for (; look < RangeRules::kMoreLooks && field_.variance_px2() > 0; ++look) {
     const std::span<const NodeOffset> offsets = field_.offsets();
     if (std::ranges::none_of(offsets, [](const NodeOffset& offset) {
           return std::abs(offset.offset_px) >= RangeRules::kFarOffsetPx;
         })) {
-      return;
+      break;
     }
     std::vector<double> moves_px = start_px_;
     for (size_t i = 0; i < moves_px.size(); ++i) moves_px[i] += offsets[i].offset_px;
     nodes_.Move(input, moves_px);
     field_.Improve(nodes_);
   }
+  return look > 0;
 }
 
 // Which nodes the images contradict; returns their share of those whose texture can show it.
@@ -182,13 +184,14 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
     for (const RangeNode& node : nodes) start_px_.push_back(curve_.OffsetPx(pair, node.disparity));
     // Where points are far apart their slopes are not known well enough.
     field_.Estimate(nodes_, start_px_, !input.coarse);
-    LookAgain(input);
     error_.contradicted_share = JudgeNodes();
     if (error_.contradicted_share > RangeRules::kRejectedShare) {
       error_.rejected = true;
       contradicted_.assign(points.size(), 1);
       return error_;
     }
+    // By then all may seem to fit: who looks far enough finds a likeness anywhere.
+    if (LookAgain(input)) JudgeNodes();
   }
   const bool has_field = settings.field && MarkAsked();
   if (!has_field && curve_.is_zero()) {

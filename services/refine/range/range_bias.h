@@ -54,7 +54,7 @@ class RangeBias {
     bool contradicted = false;
   };
 
-  void LookAgain(const RangeInput& input);
+  bool LookAgain(const RangeInput& input);
   double JudgeNodes();
   bool MarkAsked();
   PointError ErrorOf(const TofSurface& surface, const ProjectedPoint& point) const;
