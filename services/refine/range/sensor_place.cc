@@ -65,19 +65,26 @@ struct Count {
 // The move at which most of the matches agree: of a grid over all moves, then of finer ones.
 cv::Point2d BestMove(const PointMap& map, std::span<const Seed> matches, int width) {
   const size_t step = matches.size() / RangeRules::kMostMatches + 1;
-  const auto count_at = [&](const cv::Point2d& move_px) {
+  // Stops where a share of `most` is out of reach.
+  const auto count_at = [&](const cv::Point2d& move_px, double most) {
     Count count;
-    for (size_t i = 0; i < matches.size(); i += step) count.Add(map.Ask(matches[i], move_px));
+    for (size_t i = 0; i < matches.size(); i += step) {
+      count.Add(map.Ask(matches[i], move_px));
+      const auto against = static_cast<double>(count.compared - count.agreeing);
+      const auto rest = static_cast<double>((matches.size() - 1 - i) / step);
+      if (against > (1 - most) * (static_cast<double>(count.compared) + rest)) break;
+    }
     return count;
   };
-  const size_t fewest = count_at({}).compared / 2;
+  constexpr double kNoShare = -1;
+  const size_t fewest = count_at({}, kNoShare).compared / 2;
   cv::Point2d best;
-  double most = -1;
+  double most = kNoShare;
   const auto look_around = [&](const cv::Point2d& from, double step_px, int reach) {
     for (int y = -reach; y <= reach; ++y) {
       for (int x = -reach; x <= reach; ++x) {
         const cv::Point2d move_px = from + step_px * cv::Point2d(x, y);
-        const Count count = count_at(move_px);
+        const Count count = count_at(move_px, most);
         if (count.compared < fewest || count.share() <= most) continue;
         most = count.share();
         best = move_px;
