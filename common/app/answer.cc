@@ -5,7 +5,6 @@
 
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
-#include "common/messages/planar_lidar.h"
 #include "common/messages/preview.h"
 
 namespace sprout {

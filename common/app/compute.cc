@@ -2,6 +2,9 @@
 
 #include <hwy/highway.h>
 #include <malloc.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
@@ -9,6 +12,7 @@
 #include <memory>
 #include <opencv2/core/utility.hpp>
 
+#include "common/app/log.h"
 #include "common/config/config_error.h"
 
 namespace sprout {
@@ -79,6 +83,13 @@ void TouchMemory(size_t bytes) {
     volatile char* const first = block.get();
     for (size_t i = 0; i < kBlock; i += kPage) first[i] = 0;
   }
+}
+
+void LowerPriority() {
+  constexpr int kNice = 10;
+  const auto thread = static_cast<id_t>(syscall(SYS_gettid));
+  if (setpriority(PRIO_PROCESS, thread, kNice) != 0)
+    LogLine(LogLevel::kDebug, "the priority stays as it is");
 }
 
 }  // namespace sprout

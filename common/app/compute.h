@@ -36,6 +36,10 @@ void KeepMemory();
 /// @param bytes  how much is needed at the same time, about.
 void TouchMemory(size_t bytes);
 
+/// Lowers the priority of the calling thread, and of those that it starts: what only looks at the
+/// graph must not slow it down.
+void LowerPriority();
+
 }  // namespace sprout
 
 #endif  // SPROUT_COMMON_APP_COMPUTE_H_

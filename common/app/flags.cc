@@ -14,7 +14,6 @@
 #include <utility>
 
 #include "common/app/help_text.h"
-#include "common/app/nearest_name.h"
 #include "common/config/config_error.h"
 #include "common/core/input_files.h"
 

@@ -2,6 +2,7 @@
 #define SPROUT_COMMON_APP_HELP_TEXT_H_
 
 #include <cstddef>
+#include <span>
 #include <string>
 
 namespace sprout {
@@ -13,6 +14,12 @@ inline constexpr size_t kHelpColumns = 100;
 /// for a flag ("  --name ..."), like its description.
 /// @param description_column  where the descriptions of flags begin.
 std::string WrapLines(const std::string& text, size_t description_column);
+
+/// What somebody who wrote `word` may have meant: the name with the fewest letters inserted, left
+/// out, replaced, or swapped with the next one. At most a third of the word's letters (and one in a
+/// short word); any number at its end if they were left out ("conf" for "config").
+/// @returns the first of the nearest names, or an empty text. O(names × letters²).
+std::string NearestName(const std::string& word, std::span<const std::string> names);
 
 }  // namespace sprout
 

@@ -12,12 +12,10 @@
 
 #include "common/app/answer.h"
 #include "common/app/compute.h"
-#include "common/app/duplicate_watch.h"
 #include "common/app/frame_assembler.h"
 #include "common/app/frames_under_way.h"
 #include "common/app/log.h"
 #include "common/app/silence_watch.h"
-#include "common/app/stage_monitor.h"
 #include "common/app/status_reporter.h"
 #include "common/app/supervision.h"
 #include "common/bus/channels.h"

@@ -1,8 +1,16 @@
 #include "common/app/program.h"
 
-#include <iostream>
+#include <sys/resource.h>
 
-#include "common/app/limits_text.h"
+#include <cerrno>
+#include <cstdint>
+#include <fstream>
+#include <iostream>
+#include <new>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
 #include "common/config/config_error.h"
 #include "common/core/input_files.h"
 #include "common/core/printable.h"
@@ -22,6 +30,35 @@ int RunBody(Flags& flags, int argc, const char* const* argv, const std::function
   }
 }
 
+constexpr uint64_t kMegabyte = uint64_t{1} << 20;
+
+// A stack of a thread, or a large picture.
+constexpr uint64_t kLargePiece = 16 * kMegabyte;
+
+std::optional<uint64_t> LimitOf(decltype(RLIMIT_AS) which) {
+  rlimit limit{};
+  if (getrlimit(which, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return std::nullopt;
+  return limit.rlim_cur;
+}
+
+// The most that it ever had: by now the threads and pictures of what failed are gone.
+uint64_t MostAddressSpaceBytes() {
+  std::ifstream status("/proc/self/status");
+  std::string name;
+  while (status >> name && name != "VmPeak:") status.ignore(1 << 10, '\n');
+  uint64_t kilobytes = 0;
+  status >> kilobytes;
+  return kilobytes << 10;
+}
+
+std::optional<std::string> AddressSpaceText() {
+  const std::optional<uint64_t> limit = LimitOf(RLIMIT_AS);
+  const uint64_t used = MostAddressSpaceBytes();
+  if (!limit || used + kLargePiece < *limit) return std::nullopt;
+  return ": its address space is limited to " + std::to_string(*limit / kMegabyte) +
+         " MB (ulimit -v), of which it had " + std::to_string(used / kMegabyte);
+}
+
 }  // namespace
 
 int RunProgram(Flags& flags, int argc, const char* const* argv, const std::function<int()>& body) {
@@ -30,6 +67,21 @@ int RunProgram(Flags& flags, int argc, const char* const* argv, const std::funct
   if (std::cout.flush()) return exit_code;
   std::cerr << flags.program() << ": cannot write to stdout\n";  // a full disk
   return exit_code == 0 ? 1 : exit_code;
+}
+
+std::string ReachedLimitText(const std::exception& failure) {
+  // Recognised by its text, since each library has an exception type of its own for it.
+  const bool no_thread =
+      std::string_view(failure.what()).find(std::generic_category().message(EAGAIN)) !=
+      std::string::npos;
+  const bool no_memory = dynamic_cast<const std::bad_alloc*>(&failure) != nullptr;
+  if (!no_thread && !no_memory) return "";
+  if (const auto text = AddressSpaceText()) return *text;
+  if (no_memory) return ": out of memory";
+  const std::optional<uint64_t> tasks = LimitOf(RLIMIT_NPROC);
+  const std::string own = tasks ? std::to_string(*tasks) + " of this user (ulimit -u), or " : "";
+  return ": no thread can be started: allowed are " + own +
+         "as many as its service or container says";
 }
 
 }  // namespace sprout

@@ -1,7 +1,9 @@
 #ifndef SPROUT_COMMON_APP_PROGRAM_H_
 #define SPROUT_COMMON_APP_PROGRAM_H_
 
+#include <exception>
 #include <functional>
+#include <string>
 
 #include "common/app/flags.h"
 
@@ -14,6 +16,11 @@ namespace sprout {
 ///          configuration that cannot be used (ConfigError); 1 on any other failure, also when
 ///          something that was printed to std::cout could not be written.
 int RunProgram(Flags& flags, int argc, const char* const* argv, const std::function<int()>& body);
+
+/// For a failure due to a limit of this process, for which the system only says "Resource
+/// temporarily unavailable" or "std::bad_alloc": names the limit, as ": ..." to append to the
+/// message. Otherwise empty.
+std::string ReachedLimitText(const std::exception& failure);
 
 }  // namespace sprout
 

@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <fstream>
 #include <utility>
-#include <vector>
 
 #include "common/app/log.h"
 #include "common/app/version.h"

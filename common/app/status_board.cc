@@ -1,6 +1,9 @@
 #include "common/app/status_board.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "common/core/printable.h"
 
@@ -11,6 +14,122 @@ namespace {
 int64_t Losses(const StageStatus& status) {
   return status.frames_skipped + status.frames_incomplete + status.frames_failed +
          status.frames_degenerate + status.bad_messages + status.sequence_gaps;
+}
+
+std::string_view ColourOf(Health health) {
+  switch (health) {
+    case Health::kGood:
+      return "\x1b[32m";
+    case Health::kLosing:
+      return "\x1b[33m";
+    case Health::kStopped:
+      return "\x1b[2m";
+    case Health::kTwice:
+    case Health::kStale:
+    case Health::kMissing:
+      break;
+  }
+  return "\x1b[31m";
+}
+
+std::string HealthText(Health health, bool colour) {
+  const std::string text = fmt::format("{:<8}", NameOf(health));
+  return colour ? fmt::format("{}{}\x1b[0m", ColourOf(health), text) : text;
+}
+
+bool IsHeard(const BoardRow& row) { return row.health != Health::kMissing; }
+
+// Which clocks tell the age of what a process answers: "one", as the capture runs on the same host,
+// or it is not known where; "two", right as far as those of the two hosts agree; "wrong", as frames
+// come from the future.
+std::string_view ClocksOf(const BoardRow& row, const std::vector<BoardRow>& rows) {
+  if (row.status.age.p50_ms < 0) return "wrong";
+  for (const BoardRow& other : rows) {
+    if (other.status.stage != "capture" || !IsHeard(other)) continue;
+    if (other.status.host != row.status.host) return "two";
+  }
+  return "one";
+}
+
+// Frames that are so old are no live ones: they come from a recording.
+constexpr double kOldMs = 100'000;
+
+bool IsOld(const StageStatus& status) { return status.age.p50_ms > kOldMs; }
+
+std::string AgeText(double age_ms, std::string_view clocks) {
+  if (clocks == "wrong") return "?";
+  if (age_ms > kOldMs) return "old";
+  return fmt::format("{}{:.0f}", clocks == "two" ? "~" : "", age_ms);
+}
+
+std::string RowText(const BoardRow& row, const std::vector<BoardRow>& rows, bool colour) {
+  const StageStatus& s = row.status;
+  const std::string start = fmt::format("{:<10.10} {}", s.stage, HealthText(row.health, colour));
+  if (!IsHeard(row)) return start + "\n";
+  const std::string_view clocks = ClocksOf(row, rows);
+  const std::string cover =
+      s.tof_coverage < 0 ? "-" : fmt::format("{:.0f} %", 100 * s.tof_coverage);
+  return start + fmt::format(
+                     "{:>6} {:>6.1f} {:>8} {:>6.0f} {:>6.0f} {:>6} {:>6} {:>6} {:>6} {:>5} {:>5} "
+                     "{:>5} {:>6.0f} {:>5}  {}:{}\n",
+                     s.newest_frame.seq, s.rate_hz, s.frames_out, s.latency.p50_ms,
+                     s.latency.p99_ms, AgeText(s.age.p50_ms, clocks), AgeText(s.age.p99_ms, clocks),
+                     s.frames_skipped, s.frames_incomplete, s.sequence_gaps,
+                     s.frames_failed + s.frames_degenerate, s.bad_messages,
+                     static_cast<double>(s.rss_bytes) / (1 << 20), cover, s.host, s.pid);
+}
+
+// What two hosts need.
+std::string HostsText(const std::vector<BoardRow>& rows) {
+  std::string missing;
+  bool heard = false;
+  bool two_clocks = false;
+  for (const BoardRow& row : rows) {
+    heard = heard || IsHeard(row);
+    if (!IsHeard(row)) missing += (missing.empty() ? "" : ", ") + row.status.stage;
+    two_clocks = two_clocks || (IsHeard(row) && ClocksOf(row, rows) == "two");
+  }
+  const bool any_old = std::ranges::any_of(
+      rows, [](const BoardRow& row) { return IsHeard(row) && IsOld(row.status); });
+  std::string text;
+  if (any_old) text += "old: captured more than 100 s ago, as frames of a recording are\n";
+  if (heard && !missing.empty()) {
+    text += missing +
+            ": not heard here; if on another host: ttl=1 in every --lcm-url, no route of the group "
+            "over lo\n";
+  }
+  if (two_clocks) text += "~: compares the clocks of two hosts, right if they agree (NTP, PTP)\n";
+  return text;
+}
+
+// What capture and refine know about the cameras.
+std::string CameraText(const StageStatus& s) {
+  std::string text;
+  if (s.spread_ms >= 0) {
+    text = fmt::format("{}: exposures of a frame within {:.2f} ms\n", s.stage, s.spread_ms);
+  }
+  if (s.tof_offset.IsSignificant()) {
+    text += fmt::format(
+        "{}: ToF points off by ({:.1f}, {:.1f}) ± {:.1f} px, and edges of depth with them: "
+        "calibrate again, or refine {{ align_tof: true }}\n",
+        s.stage, -s.tof_offset.u_px, -s.tof_offset.v_px, s.tof_offset.sigma_px);
+  }
+  return text;
+}
+
+std::string TimeText(double seconds) {
+  constexpr double kMinute = 60;
+  constexpr double kHour = 60 * kMinute;
+  if (seconds < kMinute) return fmt::format("{:.0f} s", seconds);
+  if (seconds < kHour) return fmt::format("{:.0f} min", seconds / kMinute);
+  return fmt::format("{:.1f} h", seconds / kHour);
+}
+
+// The newest error of a process and when it came; a process takes back what is over.
+std::string ErrorText(const BoardRow& row) {
+  if (!row.error_age_s) return "";
+  return fmt::format("{}, {}{} ago: {}\n", row.status.stage, row.error_was_there ? "over " : "",
+                     TimeText(*row.error_age_s), row.status.last_error);
 }
 
 }  // namespace
@@ -99,6 +218,82 @@ bool IsWhole(const std::vector<BoardRow>& rows) {
   return std::all_of(rows.begin(), rows.end(), [](const BoardRow& row) {
     return row.health == Health::kGood || row.health == Health::kLosing;
   });
+}
+
+std::string_view NameOf(Health health) {
+  switch (health) {
+    case Health::kGood:
+      return "good";
+    case Health::kLosing:
+      return "losing";
+    case Health::kTwice:
+      return "twice";
+    case Health::kStale:
+      return "stale";
+    case Health::kStopped:
+      return "stopped";
+    case Health::kMissing:
+      break;
+  }
+  return "missing";
+}
+
+std::string BoardText(const std::vector<BoardRow>& rows, bool colour) {
+  std::string text =
+      "stage      health    frame     Hz answered   time    p99    age    p99   skip  incpl  gaps  "
+      "fail   bad  MB/rss   ToF  host:pid\n";
+  for (const BoardRow& row : rows) text += RowText(row, rows, colour);
+  text += HostsText(rows);
+  for (const BoardRow& row : rows) {
+    if (!IsHeard(row)) continue;
+    text += CameraText(row.status);
+    text += ErrorText(row);
+  }
+  return text;
+}
+
+std::string BoardJson(const std::vector<BoardRow>& rows) {
+  nlohmann::ordered_json stages = nlohmann::ordered_json::array();
+  for (const BoardRow& row : rows) {
+    const StageStatus& s = row.status;
+    nlohmann::ordered_json stage{{"stage", s.stage}, {"health", NameOf(row.health)}};
+    if (IsHeard(row)) {
+      stage.update({{"host", s.host},
+                    {"pid", s.pid},
+                    {"version", s.version},
+                    {"config_digest", s.config_digest},
+                    {"silent_s", row.silent_s},
+                    {"newest_seq", s.newest_frame.seq},
+                    {"newest_utime", s.newest_frame.utime},
+                    {"frames_in", s.frames_in},
+                    {"frames_out", s.frames_out},
+                    {"frames_skipped", s.frames_skipped},
+                    {"frames_incomplete", s.frames_incomplete},
+                    {"frames_degenerate", s.frames_degenerate},
+                    {"frames_failed", s.frames_failed},
+                    {"frames_resent", s.frames_resent},
+                    {"bad_messages", s.bad_messages},
+                    {"sequence_gaps", s.sequence_gaps},
+                    {"rate_hz", s.rate_hz},
+                    {"latency_p50_ms", s.latency.p50_ms},
+                    {"latency_p99_ms", s.latency.p99_ms},
+                    {"age_p50_ms", s.age.p50_ms},
+                    {"age_p99_ms", s.age.p99_ms},
+                    {"age_clocks", ClocksOf(row, rows)},
+                    {"rss_bytes", s.rss_bytes},
+                    {"tof_coverage", s.tof_coverage},
+                    {"spread_ms", s.spread_ms},
+                    {"tof_offset_u_px", s.tof_offset.u_px},
+                    {"tof_offset_v_px", s.tof_offset.v_px},
+                    {"tof_offset_sigma_px", s.tof_offset.sigma_px},
+                    {"last_error", s.last_error}});
+      if (row.error_age_s) stage["error_age_s"] = *row.error_age_s;
+    }
+    stages.push_back(std::move(stage));
+  }
+  const nlohmann::ordered_json board{{"whole", IsWhole(rows)}, {"stages", std::move(stages)}};
+  // Names come from the network and need not be UTF-8.
+  return board.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 }  // namespace sprout

@@ -1,7 +1,6 @@
 #include "common/bus/lcm_url.h"
 
 #include <arpa/inet.h>
-#include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <new>
-#include <thread>
 #include <utility>
 #include <vector>
 

@@ -7,7 +7,6 @@
 #include <link.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <sstream>
 
 #include "common/core/input_files.h"

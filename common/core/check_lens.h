@@ -2,9 +2,11 @@
 #define SPROUT_COMMON_CORE_CHECK_LENS_H_
 
 #include <Eigen/Core>
+#include <cmath>
 #include <string>
 
 #include "common/core/checks.h"
+#include "common/core/pose.h"
 #include "common/core/rig.h"
 
 namespace sprout {
@@ -18,6 +20,17 @@ void CheckLens(Checks& checks, const std::string& prefix, const Lens& lens);
 
 /// Whether this position is possible for a camera: at most 1 km away on each axis.
 void CheckDistance(Checks& checks, const std::string& field, const Eigen::Vector3d& metres);
+
+/// A rotation of norm 1, a finite translation.
+/// @param name  of the fields without _rotation and _translation_m.
+inline void CheckPoseFields(Checks& checks, const std::string& name, const Pose& pose) {
+  const auto& q = pose.rotation;
+  const double norm = std::sqrt(q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z());
+  checks.Require(std::abs(norm - 1) < 1e-6, (name + "_rotation norm").c_str(), norm, "1");
+  for (const double value : pose.translation_m) {
+    checks.Finite((name + "_translation_m").c_str(), value);
+  }
+}
 
 }  // namespace sprout
 

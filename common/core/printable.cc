@@ -1,6 +1,5 @@
 #include "common/core/printable.h"
 
-#include <array>
 #include <cstdint>
 
 namespace sprout {

@@ -39,6 +39,8 @@ void SetAlarm(std::chrono::microseconds time) {
   setitimer(ITIMER_REAL, &alarm, nullptr);
 }
 
+volatile std::sig_atomic_t came = 0;
+
 }  // namespace
 
 SignalWatcher::SignalWatcher(std::chrono::microseconds grace, std::function<void(int)> told)
@@ -74,5 +76,21 @@ void SignalWatcher::Watch(const std::stop_token& stop) {
   while (SleepFor(std::chrono::hours(1), stop)) {
   }
 }
+
+Interrupt::Interrupt() {
+  came = 0;
+  for (const int signal : {SIGINT, SIGTERM}) {
+    std::signal(signal, [](int number) {
+      came = 1;
+      std::signal(number, SIG_DFL);
+    });
+  }
+}
+
+Interrupt::~Interrupt() {
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
+}
+
+bool Interrupt::requested() { return came != 0; }
 
 }  // namespace sprout

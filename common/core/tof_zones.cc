@@ -3,8 +3,8 @@
 #include <cmath>
 #include <string>
 
+#include "common/core/check_lens.h"
 #include "common/core/checks.h"
-#include "common/core/pose_checks.h"
 #include "common/core/tof_image.h"
 
 namespace sprout {

@@ -4,10 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <opencv2/imgproc.hpp>
 #include <optional>
-#include <utility>
-#include <variant>
 
 namespace sprout {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "common/core/checks.h"
+#include "common/core/printable.h"
 #include "common/messages/convert.h"
-#include "common/messages/shortened.h"
 
 namespace sprout {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <string>
 
-#include "common/messages/zstd_frame.h"
+#include "common/messages/compressor.h"
 
 namespace sprout {
 namespace {

@@ -11,13 +11,12 @@
 #include <lcmtypes/sprout/prior_t.hpp>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include "common/core/image.h"
+#include "common/messages/compressor.h"
 #include "common/messages/convert.h"
 #include "common/messages/packed_layout.h"
 #include "common/messages/pixel_prediction.h"
-#include "common/messages/zstd_frame.h"
 
 namespace sprout {
 namespace {

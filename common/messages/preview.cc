@@ -1,6 +1,7 @@
 #include "common/messages/preview.h"
 
 #include <lcmtypes/bot_core/image_t.hpp>
+#include <lcmtypes/bot_core/planar_lidar_t.hpp>
 #include <string>
 
 #include "common/messages/jpeg.h"
@@ -26,6 +27,23 @@ std::vector<uint8_t> EncodePreview(const FrameId& id, const cv::Mat& picture) {
 
 bool IsPreview(std::span<const uint8_t> bytes) {
   return FingerprintOf(bytes) == static_cast<uint64_t>(bot_core::image_t::getHash());
+}
+
+std::vector<uint8_t> EncodeScan(const FrameId& id, const PlanarScan& scan) {
+  bot_core::planar_lidar_t message;
+  message.utime = id.utime;
+  message.nranges = static_cast<int32_t>(scan.ranges_m.size());
+  message.ranges = scan.ranges_m;
+  message.nintensities = 0;
+  message.rad0 = static_cast<float>(scan.first * scan.step_rad);
+  message.radstep = static_cast<float>(scan.step_rad);
+  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+bool IsScan(std::span<const uint8_t> bytes) {
+  return FingerprintOf(bytes) == static_cast<uint64_t>(bot_core::planar_lidar_t::getHash());
 }
 
 }  // namespace sprout

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/core/frame_id.h"
+#include "common/core/planar_scan.h"
 
 namespace sprout {
 
@@ -22,6 +23,16 @@ bool IsPreview(std::span<const uint8_t> bytes);
 
 /// Name of that type.
 inline constexpr const char* kPreviewType = "bot_core.image_t";
+
+/// The message of SPROUT_SCAN: a scan as bot_core.planar_lidar_t, which other programs read. It has
+/// no header: of the frame only the time is kept.
+std::vector<uint8_t> EncodeScan(const FrameId& id, const PlanarScan& scan);
+
+/// Whether a message has the type of SPROUT_SCAN, by its fingerprint.
+bool IsScan(std::span<const uint8_t> bytes);
+
+/// Name of that type.
+inline constexpr const char* kScanType = "bot_core.planar_lidar_t";
 
 }  // namespace sprout
 

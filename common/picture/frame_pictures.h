@@ -5,7 +5,9 @@
 #include <functional>
 #include <opencv2/core.hpp>
 
+#include "common/core/disparity_image.h"
 #include "common/core/frame.h"
+#include "common/core/rig.h"
 
 namespace sprout {
 
@@ -33,6 +35,15 @@ void WriteFramePictures(const Frame& frame, const FrameTruth& truth,
 /// side, in one picture.
 /// @pre HasCloud(frame), and it has a right image.
 cv::Mat3b OverviewOf(const Frame& frame);
+
+/// The coloured point cloud of a disparity map, seen by a camera moved to the right and up: shows
+/// at a glance whether surfaces are flat and edges clean.
+///
+/// @param disparity  px, of the size of the pair.
+/// @param left       8UC1 grey or 8UC3 BGR image of that size.
+/// @returns a picture of the pair's size, nearly black where there is no point. O(pixels).
+cv::Mat3b CloudView(const RectifiedPair& pair, const DisparityImage& disparity,
+                    const cv::Mat& left);
 
 }  // namespace sprout
 

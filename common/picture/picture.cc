@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "common/core/image.h"
-#include "common/picture/color_scale.h"
 #include "common/picture/text.h"
 
 namespace sprout {

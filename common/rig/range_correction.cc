@@ -1,7 +1,6 @@
 #include "common/rig/range_correction.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace sprout {
 namespace {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 #include <opencv2/core.hpp>
-#include <string>
 
 #include "common/core/check_lens.h"
 #include "common/geometry/lens.h"

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <cassert>
 
-#include "common/core/image.h"
 #include "common/geometry/lens.h"
 
 namespace sprout {

@@ -5,7 +5,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "common/core/frame.h"
 #include "common/ros/cdr.h"

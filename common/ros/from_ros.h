@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/core/pose.h"
@@ -85,6 +86,11 @@ struct RosPose {
   Pose parent_from_child = {};
 };
 Result<std::vector<RosPose>> FromRosTransforms(const RosTransforms& ros);
+
+/// A decoded picture of 8 or 16 bits (grey, BGR, BGRA) as grey or BGR, of as many bits.
+/// @param encoding  of the image before it was compressed: of a Bayer pattern, which grey pixels
+///                  are, colours are made; others leave the picture as it is.
+Result<cv::Mat> ToPicture(const cv::Mat& stored, std::string_view encoding);
 
 }  // namespace sprout
 

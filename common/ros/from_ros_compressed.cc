@@ -1,10 +1,8 @@
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,7 +11,6 @@
 #include "common/core/image.h"
 #include "common/messages/jpeg.h"
 #include "common/ros/from_ros.h"
-#include "common/ros/ros_encodings.h"
 
 namespace sprout {
 namespace {

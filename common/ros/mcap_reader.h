@@ -8,6 +8,7 @@
 #include <queue>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -115,6 +116,15 @@ class McapReader {
   uint64_t position_ = 0;
   int64_t chunks_ = 0;
 };
+
+/// The files of a bag: of a folder those that rosbag2's metadata.yaml in it names or, without one,
+/// all *.mcap and *.mcap.zstd; of "a.mcap,b.mcap" both; else the file itself.
+/// @throws McapError naming the folder that has none, or what of it is missing.
+std::vector<std::filesystem::path> McapParts(std::string_view bag);
+
+/// Which other kind of bag begins with these bytes, and what makes an MCAP file of it, for the end
+/// of a line; empty: none that is known.
+std::string OtherBag(std::span<const uint8_t> begin);
 
 }  // namespace sprout
 

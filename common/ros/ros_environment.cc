@@ -1,5 +1,3 @@
-#include "common/ros/ros_environment.h"
-
 #include <fmt/core.h>
 #include <unistd.h>
 

@@ -7,12 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <memory>
 #include <span>
 #include <string_view>
 #include <utility>
-
-#include "common/ros/ros_environment.h"
 
 namespace sprout {
 namespace {

@@ -1,16 +1,15 @@
 #include "common/scenes/middlebury_calibration.h"
 
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <sstream>
-#include <string>
 #include <vector>
 
 #include "common/config/config_error.h"
 #include "common/core/input_files.h"
 #include "common/core/number_text.h"
 #include "common/core/read_text.h"
+#include "common/scenes/kitti_calibration.h"
 #include "common/scenes/rectified.h"
 
 namespace sprout::scenes {
@@ -138,6 +137,19 @@ RectifiedPair CalibrationFromCalib(const std::filesystem::path& calib_file, cv::
     }
   }
   return pair;
+}
+
+RectifiedPair ReadCalibFile(const std::filesystem::path& path, cv::Size size, bool grey) {
+  const Result<std::string> text = ReadText(path);
+  if (!text) throw ConfigError("calibration " + path.string() + ": " + text.error().text);
+  if (text->find("cam0=") != std::string::npos) return CalibrationFromCalib(path, size);
+  if (text->find("P0:") != std::string::npos || text->find("P2:") != std::string::npos ||
+      text->find("P_rect_0") != std::string::npos) {
+    return ReadKittiPair(path, size, grey);
+  }
+  throw ConfigError("calibration " + path.string() +
+                    ": neither Middlebury's (cam0=) nor KITTI's (P2:, P_rect_02:); allowed: one of "
+                    "these, or --focal-px and --baseline-m");
 }
 
 }  // namespace sprout::scenes

@@ -1,5 +1,3 @@
-#include "common/scenes/middlebury_source.h"
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>

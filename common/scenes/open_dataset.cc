@@ -7,10 +7,10 @@
 #include "common/core/number_text.h"
 #include "common/scenes/dataset.h"
 #include "common/scenes/kitti_source.h"
-#include "common/scenes/middlebury_source.h"
+#include "common/scenes/middlebury_calibration.h"
 #include "common/scenes/range_errors.h"
 #include "common/scenes/source_options.h"
-#include "common/scenes/synthetic_source.h"
+#include "common/scenes/synthetic_scene.h"
 
 namespace sprout::scenes {
 namespace {

@@ -1,13 +1,12 @@
 #include "common/scenes/range_errors.h"
 
-#include <array>
 #include <limits>
 #include <optional>
 #include <utility>
 
 #include "common/geometry/lens.h"
-#include "common/scenes/phasor.h"
 #include "common/scenes/solid_texture.h"
+#include "common/scenes/stray_light.h"
 
 namespace sprout::scenes {
 namespace {

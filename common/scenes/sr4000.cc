@@ -5,13 +5,9 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 #include "common/core/quantile.h"
 #include "common/geometry/lens.h"
-#include "common/scenes/normal_deviate.h"
-#include "common/scenes/phasor.h"
-#include "common/scenes/sensor_place.h"
 #include "common/scenes/solid_texture.h"
 #include "common/scenes/stray_light.h"
 

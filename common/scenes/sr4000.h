@@ -8,8 +8,8 @@
 #include "common/config/config.h"
 #include "common/core/rig.h"
 #include "common/core/tof_image.h"
-#include "common/scenes/footprint.h"
-#include "common/scenes/tof_samples.h"
+#include "common/scenes/lens_view.h"
+#include "common/scenes/tof_grid.h"
 
 namespace sprout::scenes {
 

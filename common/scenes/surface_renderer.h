@@ -5,7 +5,7 @@
 
 #include "common/core/rig.h"
 #include "common/scenes/dataset.h"
-#include "common/scenes/tof_samples.h"
+#include "common/scenes/tof_grid.h"
 
 namespace sprout::scenes {
 

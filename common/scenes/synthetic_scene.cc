@@ -5,8 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "common/scenes/solid_texture.h"
-
 namespace sprout::scenes {
 namespace {
 

@@ -1,5 +1,3 @@
-#include "common/scenes/synthetic_source.h"
-
 #include <algorithm>
 #include <cassert>
 #include <limits>

@@ -1,6 +1,7 @@
 #ifndef SPROUT_COMMON_SCENES_TOF_GRID_H_
 #define SPROUT_COMMON_SCENES_TOF_GRID_H_
 
+#include <limits>
 #include <opencv2/core.hpp>
 
 #include "common/core/rig.h"
@@ -24,6 +25,29 @@ TofCamera TofGridCamera(const RectifiedPair& pair, int step_px);
 /// @param left_disparity  px, of the size of the pair's images; NaN = unknown.
 /// O(ToF pixels).
 TofImage SampleTofGrid(const RectifiedPair& pair, int step_px, const cv::Mat1f& left_disparity);
+
+/// What a ToF camera sees, finer than its pixels: kPerSide × kPerSide samples a ToF pixel.
+struct TofSamples {
+  static constexpr int kPerSide = 4;
+
+  /// Nothing known anywhere.
+  explicit TofSamples(cv::Size tof_size)
+      : depth_m(tof_size * kPerSide, std::numeric_limits<float>::quiet_NaN()),
+        albedo(tof_size * kPerSide, 0.f) {}
+
+  /// Column (row) of the samples, fractional, at a position in the ToF image, px.
+  static double SamplePosition(double tof_px) { return (tof_px + 0.5) * kPerSide - 0.5; }
+
+  cv::Mat1f depth_m;  ///< z along the ToF axis, m; NaN = unknown
+  cv::Mat1f albedo;   ///< 0 to 1; 0 where the depth is unknown
+};
+
+/// Simulated range sensors look at the middle of what both colour cameras see at this disparity, a
+/// share of the image width: the middle of what stereo scenes have.
+inline constexpr double kAimDisparityPerWidth = 0.08;
+
+/// How far they are over the line between the colour cameras, half way between them, m.
+inline constexpr double kAboveM = 0.02;
 
 }  // namespace sprout::scenes
 

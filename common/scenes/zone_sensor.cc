@@ -7,8 +7,7 @@
 
 #include "common/core/quantile.h"
 #include "common/core/tof_image.h"
-#include "common/scenes/normal_deviate.h"
-#include "common/scenes/sensor_place.h"
+#include "common/scenes/solid_texture.h"
 
 namespace sprout::scenes {
 namespace {

@@ -6,7 +6,7 @@
 #include "common/config/config.h"
 #include "common/core/rig.h"
 #include "common/core/tof_zones.h"
-#include "common/scenes/tof_samples.h"
+#include "common/scenes/tof_grid.h"
 
 namespace sprout::scenes {
 

@@ -1,9 +1,11 @@
 #ifndef SPROUT_SERVICES_CAPTURE_ANSWER_TRACKER_H_
 #define SPROUT_SERVICES_CAPTURE_ANSWER_TRACKER_H_
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <span>
 #include <stop_token>
@@ -11,8 +13,8 @@
 #include <string_view>
 #include <vector>
 
-#include "common/app/duplicate_watch.h"
 #include "common/app/service_context.h"
+#include "common/app/silence_watch.h"
 #include "common/app/stage_monitor.h"
 #include "common/bus/receiver.h"
 #include "common/core/frame_id.h"
@@ -58,6 +60,44 @@ class AnswerTracker {
   std::set<std::string> silent_;  // stages that have not reported
   std::vector<FrameId> missing_;  // expected and not answered
   Receiver receiver_;             // last: stops before the rest is destroyed
+};
+
+/// When a frame is due: at a fixed rate, or at the recorded intervals. After a stall of more than
+/// one interval all later frames are delayed, not sent in a burst, as with a camera.
+class Pace {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// @param rate_hz  frames a second; 0 = at once.
+  static Pace AtRate(double rate_hz) { return Pace(rate_hz); }
+  static Pace AsRecorded() { return Pace(std::nullopt); }
+
+  void Start(Clock::time_point now);
+
+  /// When the next frame may be taken; for a recorded one at any time.
+  Clock::time_point DueBeforeTaking() const;
+
+  /// Whether a frame taken now, at a fixed rate, is more than an interval late.
+  bool IsLate(Clock::time_point now) const;
+
+  /// A frame is taken now.
+  void Take(Clock::time_point now);
+
+  /// When a frame that was taken may be sent. Call once a frame. Negative intervals, as when
+  /// capture was started again, count as 0, and those above kLongestInterval as kLongestInterval.
+  Clock::time_point DueBeforeSending(const FrameId& id, Clock::time_point now);
+
+  static constexpr std::chrono::seconds kLongestInterval{10};
+
+ private:
+  explicit Pace(std::optional<double> rate_hz) : rate_hz_(rate_hz) {}
+
+  // Between frames at a rate above 0.
+  std::optional<Clock::duration> Period() const;
+
+  std::optional<double> rate_hz_;  // nothing: as recorded
+  Clock::time_point due_{};  // of the next frame at a fixed rate, of the newest one as recorded
+  std::optional<int64_t> utime_;  // of the newest frame
 };
 
 }  // namespace sprout::capture

@@ -3,27 +3,92 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <exception>
 #include <memory>
+#include <span>
+#include <stop_token>
+#include <string_view>
 #include <thread>
 #include <utility>
 
+#include "common/app/compute.h"
 #include "common/app/log.h"
 #include "common/app/log_limiter.h"
 #include "common/app/stage_monitor.h"
 #include "common/app/status_reporter.h"
 #include "common/app/supervision.h"
 #include "common/bus/channels.h"
+#include "common/bus/mailbox.h"
 #include "common/bus/publisher.h"
+#include "common/bus/receiver.h"
 #include "common/core/digest.h"
+#include "common/messages/codec.h"
 #include "services/capture/answer_tracker.h"
 #include "services/capture/capture_feed.h"
 #include "services/capture/image_encoder.h"
-#include "services/capture/pace.h"
-#include "services/capture/rig_updates.h"
+#include "services/capture/rig_keeper.h"
 #include "services/capture/ros2/ros_feed.h"
 
 namespace sprout::capture {
 namespace {
+
+// Listens to SPROUT_RIG_CHANGE, and lets a RigKeeper put the calibration right, on a thread of its
+// own with low priority, so that no frame waits.
+class RigUpdates {
+ public:
+  // @param current  null when the source is not rectified here.
+  // @param monitor  is told of every change; must outlive this.
+  // @throws ConfigError as RigKeeper, and when there is nothing that could be changed; BusError.
+  RigUpdates(const ServiceContext& context, std::shared_ptr<CurrentRig> current,
+             StageMonitor& monitor);
+
+ private:
+  void OnMessage(std::span<const uint8_t> bytes);
+  void Work(const std::stop_token& stop);
+
+  StageMonitor& monitor_;
+  RigKeeper keeper_;
+  Mailbox<RigChange> changes_;
+  std::jthread worker_;
+  Receiver receiver_;  // last: stops before the rest is destroyed
+};
+
+std::shared_ptr<CurrentRig> Required(std::shared_ptr<CurrentRig> current,
+                                     const CaptureConfig& config) {
+  if (current) return current;
+  throw ConfigError("self_calibrate.mode = APPLY: capture.source = " + config.source() +
+                    " is not rectified here; allowed: genicam:, opencv:, v4l2: and log: with "
+                    "?rig=FILE, without --raw");
+}
+
+RigUpdates::RigUpdates(const ServiceContext& context, std::shared_ptr<CurrentRig> current,
+                       StageMonitor& monitor)
+    : monitor_(monitor),
+      keeper_(context.config.self_calibrate(),
+              Required(std::move(current), context.config.capture())),
+      worker_([this](const std::stop_token& stop) { Work(stop); }),
+      receiver_(
+          context.lcm_url, context.prefix, {kRigChangeChannel},
+          [this](std::string_view, std::span<const uint8_t> bytes) { OnMessage(bytes); },
+          [this](std::string_view channel) { monitor_.MessageDropped(channel); }) {}
+
+void RigUpdates::OnMessage(std::span<const uint8_t> bytes) {
+  Result<RigChange> change = DecodeRigChange(bytes);
+  if (!change) return monitor_.BadMessage(kRigChangeChannel, change.error().text);
+  changes_.Put(*std::move(change));
+}
+
+void RigUpdates::Work(const std::stop_token& stop) {
+  LowerPriority();
+  while (const std::optional<RigChange> change = changes_.Take(stop)) {
+    try {
+      const RigKeeper::Outcome outcome = keeper_.Consider(*change, RigKeeper::Clock::now());
+      if (!outcome.text.empty()) monitor_.Warn(outcome.text);
+    } catch (const std::exception& e) {  // out of memory
+      monitor_.Failure(std::string("the calibration is not changed: ") + e.what());
+    }
+  }
+}
 
 using Clock = StageMonitor::Clock;
 

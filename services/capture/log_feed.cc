@@ -1,11 +1,9 @@
-#include "services/capture/log_feed.h"
-
 #include <algorithm>
 #include <utility>
 
 #include "common/app/log.h"
 #include "common/bus/channels.h"
-#include "common/frames/whole_frames.h"
+#include "common/frames/log_frames.h"
 #include "common/logfile/event_fetcher.h"
 #include "common/logfile/log_error.h"
 #include "common/messages/codec.h"

@@ -6,7 +6,6 @@
 #include "common/scenes/dataset.h"
 #include "common/scenes/source_options.h"
 #include "services/capture/capture_feed.h"
-#include "services/capture/log_feed.h"
 #include "services/capture/raw_source.h"
 #include "services/capture/ros2/ros_feed.h"
 #include "services/capture/source_feed.h"

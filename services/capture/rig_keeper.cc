@@ -2,15 +2,61 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/Geometry>
+#include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "common/app/output_paths.h"
+#include "common/core/checks.h"
 #include "common/core/digest.h"
-#include "common/rig/changed_rig.h"
+#include "common/core/result.h"
+#include "common/rig/rectifier.h"
+#include "common/rig/rig.pb.h"
 
 namespace sprout::capture {
 namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+double DegreesBetween(const Pose& a, const Pose& b) {
+  return kDegrees * Eigen::Quaterniond(a.rotation).angularDistance(Eigen::Quaterniond(b.rotation));
+}
+
+// A rig with a change that was seen in its rectified images. What the change does not show stays.
+// @param made  how these images were rectified: RectificationOf(rig).
+RawRig ChangedRig(const RawRig& rig, const Rectification& made, const RigChange& change) {
+  const Eigen::Matrix3d left_from_rectified = BackOf(made.left_turn);
+  RawRig changed = rig;
+  changed.left_from_right = TurnedBy(rig.left_from_right, left_from_rectified * change.right.turn);
+  if (rig.tof.width == 0) return changed;
+  changed.left_from_tof = TurnedBy(rig.left_from_tof, left_from_rectified * change.tof.turn);
+  changed.range_offset_m += change.range_offset_m;
+  return changed;
+}
+
+// Whether a rig is within the limits from the board's calibration; the error names the number that
+// is not, and what to do.
+Result<void> CheckLimits(const RawRig& rig, const RawRig& board,
+                         const SelfCalibrationLimits& limits) {
+  constexpr double kMm = 1000;
+  constexpr const char* kAdvice =
+      "from the board's calibration (self_calibration of the rig file); "
+      "beyond: calibrate with the board";
+  const auto within = [&](Checks& checks, const char* what, double value, double most,
+                          const char* unit) {
+    checks.Within(what, value, 0, most, (std::string(unit) + " " + kAdvice).c_str());
+  };
+  Checks checks;
+  within(checks, "turn of the right camera",
+         DegreesBetween(rig.left_from_right, board.left_from_right), limits.turn_deg(), "degrees");
+  within(checks, "turn of the ToF camera", DegreesBetween(rig.left_from_tof, board.left_from_tof),
+         limits.tof_turn_deg(), "degrees");
+  within(checks, "change of the ranges", kMm * std::abs(rig.range_offset_m - board.range_offset_m),
+         limits.range_mm(), "mm");
+  if (!checks.ok()) return checks.error();
+  return {};
+}
 
 // Name of a changed calibration. Unlike RigId() it differs also when only the ranges change.
 std::string ChangedRigId(const RigDescription& file) {
@@ -18,7 +64,6 @@ std::string ChangedRigId(const RigDescription& file) {
 }
 
 std::string TurnText(const char* what, const SeenTurn& seen) {
-  constexpr double kDegrees = 180 / std::numbers::pi;
   if (seen.turn.isZero(0)) return "";
   const Eigen::Vector3d turn = kDegrees * seen.turn;
   return fmt::format("{}pitch {:+.3f}°, yaw {:+.3f}°, roll {:+.3f}°", what, turn[0], turn[1],

@@ -8,7 +8,6 @@
 #include "common/core/image.h"
 #include "services/depth/cloud.h"
 #include "services/depth/depth_map.h"
-#include "services/depth/depth_sigma.h"
 #include "services/depth/preview.h"
 
 namespace sprout::depth {

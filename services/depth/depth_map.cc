@@ -1,5 +1,6 @@
 #include "services/depth/depth_map.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
@@ -7,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "common/core/prior_map.h"
 #include "common/core/quantile.h"
 
 namespace sprout::depth {
@@ -40,6 +42,46 @@ uint16_t MedianOfBlock(const cv::Mat1w& counts, int u, int v, int scale) {
   return OrderStatistic(std::span(depths).first(found), (found - 1) / 2);
 }
 
+size_t IndexOf(int16_t counts) {
+  return static_cast<size_t>(int{counts} - int{DisparityImage::kInvalid});
+}
+
+// Counts of σ_z for a count of σ_d, eq. (D1), at every disparity that a map can have.
+std::vector<float> SigmaTable(const RectifiedPair& pair, double metres_per_count) {
+  std::vector<float> table(1 << 16, 0);
+  for (size_t i = 1; i < table.size(); ++i) {  // 0: DisparityImage::kInvalid
+    const double disparity_px = (static_cast<double>(i) + double{DisparityImage::kInvalid}) /
+                                DisparityImage::kCountsPerPixel;
+    const double sigma_m = pair.DepthSigma(disparity_px, 1.0 / kSigmaCountsPerPx);
+    table[i] =
+        static_cast<float>(std::min(sigma_m / metres_per_count, double{kMaxDepthSigmaCounts}));
+  }
+  return table;
+}
+
+uint16_t SigmaCounts(float counts_per_count, uint8_t sigma) {
+  const float counts = counts_per_count * static_cast<float>(sigma);
+  if (sigma == kMaxSigmaCounts || !(counts < kMaxDepthSigmaCounts)) return kMaxDepthSigmaCounts;
+  return static_cast<uint16_t>(std::max(1.0F, counts + 0.5F));  // rounds down
+}
+
+// The pixel of a block whose disparity is nearest to that of the block's depth.
+cv::Point Chosen(const DisparityImage& disparity, const cv::Mat1b& sigma, cv::Point corner,
+                 int scale, double disparity_px) {
+  cv::Point chosen = corner;
+  double least = std::numeric_limits<double>::infinity();
+  for (int v = corner.y; v < corner.y + scale; ++v) {
+    for (int u = corner.x; u < corner.x + scale; ++u) {
+      if (!disparity.IsValid(u, v)) continue;
+      const double distance = std::abs(double{disparity.Px(u, v)} - disparity_px);
+      if (distance > least || (distance == least && sigma(v, u) <= sigma(chosen))) continue;
+      least = distance;
+      chosen = {u, v};
+    }
+  }
+  return chosen;
+}
+
 }  // namespace
 
 DepthImage DepthOf(const DisparityImage& disparity, const RectifiedPair& pair,
@@ -69,6 +111,32 @@ DepthImage DepthOf(const DisparityImage& disparity, const RectifiedPair& pair,
     }
   }
   return depth;
+}
+
+DepthImage DepthSigmaOf(const DepthImage& depth, const DisparityImage& disparity,
+                        const cv::Mat1b& sigma, const RectifiedPair& pair, int scale) {
+  assert(disparity.size() == pair.size() && sigma.size() == pair.size());
+  assert(depth.size() == cv::Size(pair.width / scale, pair.height / scale));
+  DepthImage result = depth;
+  result.metres_per_count = depth.metres_per_count / kSigmaCountsPerDepthCount;
+  result.counts = cv::Mat1w(depth.size(), uint16_t{0});
+  const std::vector<float> table = SigmaTable(pair, result.metres_per_count);
+  for (int v = 0; v < depth.counts.rows; ++v) {
+    const uint16_t* const depths = depth.counts[v];
+    uint16_t* const sigmas = result.counts[v];
+    const int16_t* const disparities = disparity.counts()[v];
+    for (int u = 0; u < depth.counts.cols; ++u) {
+      if (depths[u] == 0) continue;
+      if (scale == 1) {
+        sigmas[u] = SigmaCounts(table[IndexOf(disparities[u])], sigma(v, u));
+        continue;
+      }
+      const cv::Point pixel = Chosen(disparity, sigma, scale * cv::Point(u, v), scale,
+                                     pair.DisparityFromDepth(depth.Metres(u, v)));
+      sigmas[u] = SigmaCounts(table[IndexOf(disparity.counts()(pixel))], sigma(pixel));
+    }
+  }
+  return result;
 }
 
 }  // namespace sprout::depth

@@ -1,15 +1,61 @@
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <span>
+#include <string>
+#include <string_view>
 
 #include "common/app/live.h"
 #include "common/app/replay.h"
 #include "common/app/service.h"
+#include "common/app/stage_monitor.h"
 #include "common/core/digest.h"
+#include "common/core/tof_coverage.h"
+#include "services/pipeline/chain.h"
 #include "services/pipeline/files/files.h"
 #include "services/pipeline/files/flags.h"
 #include "services/pipeline/pipeline_adapter.h"
-#include "services/pipeline/step_monitors.h"
 
 namespace sprout {
 namespace {
+
+constexpr std::array<std::string_view, 4> kStages = {"refine", "prior", "grow", "temporal"};
+
+// Counts and times refine, prior, grow and temporal inside a chain under these names, as if they
+// were processes: for capture's --wait-for, sprout-top and the like. A frame that fails, or is
+// lost before the chain, is counted only by the process that runs the chain.
+class StepMonitors : public ChainObserver {
+ public:
+  // @param temporal  whether the chain has that step.
+  StepMonitors(const std::string& config_digest, bool temporal)
+      : monitors_{StageMonitor("refine", config_digest), StageMonitor("prior", config_digest),
+                  StageMonitor("grow", config_digest), StageMonitor("temporal", config_digest)},
+        count_(temporal ? 4 : 3) {}
+
+  std::span<StageMonitor> all() { return std::span(monitors_).first(count_); }
+
+  void Begins(ChainStep step) override {
+    // Filling gaps is a part of growth.
+    if (step != ChainStep::kFinish) begun_ = StageMonitor::Clock::now();
+  }
+
+  void Answered(std::string_view stage, const Frame& frame, const StageResult& outcome) override {
+    const auto it = std::ranges::find(kStages, stage);
+    assert(it != kStages.end());
+    StageMonitor& monitor = monitors_[static_cast<size_t>(it - kStages.begin())];
+    monitor.FrameIn(/*skipped=*/false);
+    monitor.SetTofOffset(outcome.tof_offset);
+    monitor.SetRangeError(outcome.range_error);
+    monitor.FrameOut(frame.id, begun_, outcome.degenerate,
+                     stage == "temporal" ? kUnknownCoverage
+                                         : TofCoverage(frame.seeds->seeds, frame.left.size()));
+  }
+
+ private:
+  std::array<StageMonitor, 4> monitors_;
+  size_t count_;
+  StageMonitor::Clock::time_point begun_{};
+};
 
 constexpr char kDescription[] =
     "refine, prior and grow in one process, where cores are few: the same messages and bytes, but\n"
@@ -36,6 +82,7 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
+
 }  // namespace sprout
 
 int main(int argc, char** argv) { return sprout::Main(argc, argv); }

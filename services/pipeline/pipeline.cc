@@ -1,6 +1,5 @@
 #include "services/pipeline/pipeline.h"
 
-#include <string>
 #include <utility>
 
 #include "common/core/image.h"

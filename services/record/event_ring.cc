@@ -23,4 +23,45 @@ void EventRing::DropOldest() {
   events_.pop_front();
 }
 
+bool EventQueue::Put(QueuedEvent event) {
+  const size_t memory = event.event.memory();
+  const std::lock_guard lock(mutex_);
+  if (event.kind != QueuedEvent::Kind::kTrigger && bytes_ + memory > max_bytes_) return false;
+  bytes_ += memory;
+  events_.push_back(std::move(event));
+  changed_.notify_one();
+  return true;
+}
+
+std::optional<QueuedEvent> EventQueue::TakeWithin(std::chrono::milliseconds time) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, time, [this] { return closed_ || !events_.empty(); });
+  if (events_.empty()) return std::nullopt;
+  QueuedEvent event = std::move(events_.front());
+  events_.pop_front();
+  bytes_ -= event.event.memory();
+  return event;
+}
+
+void EventQueue::Close() {
+  const std::lock_guard lock(mutex_);
+  closed_ = true;
+  changed_.notify_all();
+}
+
+bool EventQueue::IsFinished() const {
+  const std::lock_guard lock(mutex_);
+  return closed_ && events_.empty();
+}
+
+size_t EventQueue::size() const {
+  const std::lock_guard lock(mutex_);
+  return events_.size();
+}
+
+size_t EventQueue::bytes() const {
+  const std::lock_guard lock(mutex_);
+  return bytes_;
+}
+
 }  // namespace sprout::record

@@ -1,13 +1,10 @@
 #ifndef SPROUT_SERVICES_RECORD_RECORDER_H_
 #define SPROUT_SERVICES_RECORD_RECORDER_H_
 
-#include <chrono>
-#include <cstdint>
 #include <optional>
 
 #include "services/record/event_ring.h"
 #include "services/record/log_folder.h"
-#include "services/record/recorded_event.h"
 
 namespace sprout::record {
 

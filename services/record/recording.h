@@ -17,7 +17,7 @@
 #include "common/core/frame.h"
 #include "common/frames/sequence_gaps.h"
 #include "common/messages/compressor.h"
-#include "services/record/event_queue.h"
+#include "services/record/event_ring.h"
 #include "services/record/log_folder.h"
 #include "services/record/recorder.h"
 

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "common/bus/channels.h"
-#include "common/messages/codec.h"
 #include "common/ros/compressed.h"
 
 namespace sprout::ros2 {

@@ -1,7 +1,6 @@
 #ifndef SPROUT_SERVICES_ROS2_BRIDGE_H_
 #define SPROUT_SERVICES_ROS2_BRIDGE_H_
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>

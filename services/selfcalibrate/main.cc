@@ -1,24 +1,73 @@
 #include <glog/logging.h>
 
 #include <chrono>
+#include <functional>
+#include <optional>
+#include <vector>
 
 #include "common/app/compute.h"
 #include "common/app/log.h"
-#include "common/app/low_priority.h"
 #include "common/app/service.h"
+#include "common/app/service_context.h"
+#include "common/app/stage_monitor.h"
 #include "common/app/status_reporter.h"
 #include "common/app/supervision.h"
 #include "common/bus/channels.h"
+#include "common/bus/mailbox.h"
 #include "common/bus/publisher.h"
+#include "common/bus/receiver.h"
 #include "common/core/digest.h"
+#include "common/core/frame.h"
 #include "common/core/sleep.h"
+#include "common/frames/frame_joiner.h"
 #include "common/messages/codec.h"
 #include "services/selfcalibrate/change_text.h"
-#include "services/selfcalibrate/frame_taker.h"
 #include "services/selfcalibrate/rig_watch.h"
 
 namespace sprout::selfcalibrate {
 namespace {
+
+// Takes single frames (LEFT, RIGHT, TOF, RIG) from the running graph. Listens only while it waits
+// for one: receiving every frame of 2 MP would take more time than looking at some of them.
+class FrameTaker {
+ public:
+  // @param monitor  counts messages that are refused.
+  FrameTaker(const ServiceContext& context, StageMonitor& monitor)
+      : context_(context), monitor_(monitor) {}
+
+  // The next whole frame that is captured; nothing once a stop is requested.
+  // @param waiting  called at least every Watchdog::kIdlePeriod meanwhile.
+  // @throws BusError when the network cannot be used.
+  std::optional<Frame> Take(const std::function<void()>& waiting) {
+    joiner_.DropPending();
+    Mailbox<Frame> mailbox;
+    std::vector<std::string_view> channels;
+    for (const Part part : kParts) channels.push_back(ChannelOf(part));
+    const Receiver receiver(
+        context_.lcm_url, context_.prefix, channels,
+        [&](std::string_view channel, std::span<const uint8_t> bytes) {
+          Result<std::vector<Frame>> frames = joiner_.AddMessage(*PartOf(channel), bytes);
+          if (!frames) return monitor_.BadMessage(channel, frames.error().text);
+          for (Frame& frame : *frames) mailbox.Put(std::move(frame));
+        },
+        [&](std::string_view channel) { monitor_.MessageDropped(channel); });
+    while (!context_.stop.stop_requested()) {
+      waiting();
+      if (std::optional<Frame> frame = mailbox.TakeWithin(Watchdog::kIdlePeriod, context_.stop)) {
+        return frame;
+      }
+    }
+    return std::nullopt;
+  }
+
+ private:
+  static constexpr Part kParts[] = {Part::kLeft, Part::kRight, Part::kTof, Part::kRig};
+
+  const ServiceContext& context_;
+  StageMonitor& monitor_;
+  // Keeps the calibration, which comes once a second, from one frame to the next.
+  FrameJoiner joiner_{PartSet{Part::kLeft, Part::kRight, Part::kTof, Part::kRig}};
+};
 
 using Clock = StageMonitor::Clock;
 
@@ -121,6 +170,7 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
+
 }  // namespace sprout::selfcalibrate
 
 int main(int argc, char** argv) { return sprout::selfcalibrate::Main(argc, argv); }

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "common/core/image.h"
 #include "common/messages/jpeg.h"
 #include "services/view/points.h"
 

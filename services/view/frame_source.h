@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "services/view/stored_frame.h"
+#include "services/view/decoded_frame.h"
 
 namespace sprout::view {
 

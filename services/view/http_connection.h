@@ -6,7 +6,7 @@
 #include <boost/beast/http/message.hpp>
 
 #include "services/view/http_request.h"
-#include "services/view/server_state.h"
+#include "services/view/server.h"
 
 namespace sprout::view {
 

@@ -1,28 +1,113 @@
 #include <fmt/core.h>
 
 #include <condition_variable>
+#include <cstdint>
+#include <exception>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
+#include <string_view>
+#include <utility>
 
 #include "common/app/log.h"
 #include "common/app/log_limiter.h"
 #include "common/app/service.h"
+#include "common/app/service_context.h"
+#include "common/app/silence_watch.h"
+#include "common/app/stage_monitor.h"
 #include "common/app/status_reporter.h"
 #include "common/app/version.h"
 #include "common/bus/channels.h"
+#include "common/bus/receiver.h"
 #include "common/core/digest.h"
-#include "services/view/bus_listener.h"
+#include "common/frames/sequence_gaps.h"
+#include "common/messages/codec.h"
 #include "services/view/frame_encoder.h"
+#include "services/view/frame_ring.h"
 #include "services/view/http_handler.h"
 #include "services/view/log_file.h"
-#include "services/view/log_quality.h"
 #include "services/view/map_colors.h"
 #include "services/view/server.h"
+#include "services/view/status_history.h"
 
 namespace sprout::view {
 namespace {
+
+// Receives all messages of the graph, and stores them in ring and history.
+class BusListener {
+ public:
+  // @param changed  called on another thread when the ring has a newer frame; must be quick.
+  // @throws BusError.
+  BusListener(const ServiceContext& context, FrameRing& ring, StatusHistory& history,
+              StageMonitor& monitor, std::function<void()> changed);
+
+ private:
+  void OnMessage(std::string_view channel, std::span<const uint8_t> bytes);
+  void OnStatus(std::span<const uint8_t> bytes, StageMonitor::Clock::time_point now);
+  void OnNewest(StageMonitor::Clock::time_point now);
+
+  FrameRing& ring_;
+  StatusHistory& history_;
+  StageMonitor& monitor_;
+  std::function<void()> changed_;
+  SilenceWatch silence_;
+  DuplicateWatch duplicates_;
+  SequenceGaps gaps_;
+  std::optional<int64_t> newest_key_;
+  Receiver receiver_;  // last: stops before the rest is destroyed
+};
+
+BusListener::BusListener(const ServiceContext& context, FrameRing& ring, StatusHistory& history,
+                         StageMonitor& monitor, std::function<void()> changed)
+    : ring_(ring),
+      history_(history),
+      monitor_(monitor),
+      changed_(std::move(changed)),
+      // These two channels are needed to see anything; all others may be missing.
+      silence_(context, {ChannelOf(Part::kLeft), ChannelOf(Part::kDisparity)}, monitor),
+      duplicates_(monitor),
+      receiver_(
+          context.lcm_url, context.prefix, AllChannels(),
+          [this](std::string_view channel, std::span<const uint8_t> bytes) {
+            OnMessage(channel, bytes);
+          },
+          [this](std::string_view channel) { monitor_.MessageDropped(channel); }) {}
+
+void BusListener::OnMessage(std::string_view channel, std::span<const uint8_t> bytes) {
+  const auto now = StageMonitor::Clock::now();
+  try {
+    if (channel == kStatusChannel) OnStatus(bytes, now);
+    silence_.Heard(channel);
+    const Result<bool> changed = ring_.Add(channel, bytes, NowUtime(), now);
+    if (!changed) return monitor_.BadMessage(channel, changed.error().text);
+    if (*changed) OnNewest(now);
+  } catch (const std::exception& e) {  // out of memory
+    monitor_.BadMessage(channel, e.what());
+  }
+}
+
+void BusListener::OnStatus(std::span<const uint8_t> bytes, StageMonitor::Clock::time_point now) {
+  const Result<StageStatus> status = DecodeStatus(bytes);
+  if (!status) return monitor_.BadMessage(kStatusChannel, status.error().text);
+  history_.Add(*status, NowUtime(), now);
+  duplicates_.Heard(*status);
+}
+
+void BusListener::OnNewest(StageMonitor::Clock::time_point now) {
+  const StoredFramePtr newest = ring_.Newest();
+  if (newest_key_ != newest->key) {
+    newest_key_ = newest->key;
+    gaps_.Add(newest->id);
+    monitor_.SetJoinerCounts(/*incomplete=*/0, gaps_.count());
+    monitor_.FrameIn(/*skipped=*/false);
+    monitor_.FrameOut(newest->id, now, /*degenerate=*/"");
+  }
+  if (newest->Has(Part::kLeft) && newest->Has(Part::kDisparity)) silence_.HeardFrame();
+  changed_();
+}
 
 const std::vector<std::string> kStages = {"capture", "refine", "prior", "grow"};
 
@@ -212,6 +297,7 @@ int Main(int argc, char** argv) {
 }
 
 }  // namespace
+
 }  // namespace sprout::view
 
 int main(int argc, char** argv) { return sprout::view::Main(argc, argv); }

@@ -5,7 +5,6 @@
 #include <exception>
 #include <utility>
 
-#include "common/app/log.h"
 #include "services/view/packet.h"
 
 namespace sprout::view {

@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-#include "services/view/server_state.h"
+#include "services/view/server.h"
 
 namespace sprout::view {
 

@@ -5,8 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include "common/core/image.h"
-
 namespace sprout::view {
 namespace {
 

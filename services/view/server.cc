@@ -7,10 +7,9 @@
 #include <thread>
 #include <utility>
 
-#include "common/app/low_priority.h"
+#include "common/app/compute.h"
 #include "services/view/http_connection.h"
 #include "services/view/page_connection.h"
-#include "services/view/server_state.h"
 
 namespace sprout::view {
 namespace {

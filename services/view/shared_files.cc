@@ -1,5 +1,13 @@
 #include "services/view/shared_files.h"
 
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
 namespace sprout::view {
 
 Result<SharedFiles::File> SharedFiles::Take(const std::string& name, Clock::time_point now,
@@ -18,6 +26,26 @@ Result<SharedFiles::File> SharedFiles::Take(const std::string& name, Clock::time
   if (auto written = write(file->path()); !written) return tl::unexpected(written.error());
   entries_.push_back({name, now, file});
   return file;
+}
+
+MemoryFile::MemoryFile() : descriptor_(memfd_create("sprout-view", MFD_CLOEXEC)) {
+  if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), "memory file");
+}
+
+MemoryFile::~MemoryFile() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+MemoryFile::MemoryFile(MemoryFile&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+std::filesystem::path MemoryFile::path() const { return "/dev/fd/" + std::to_string(descriptor_); }
+
+int MemoryFile::OpenForReading() const {
+  const std::string name = "/proc/self/fd/" + std::to_string(descriptor_);
+  const int descriptor = open(name.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) throw std::system_error(errno, std::generic_category(), name);
+  return descriptor;
 }
 
 }  // namespace sprout::view

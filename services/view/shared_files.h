@@ -10,9 +10,27 @@
 #include <vector>
 
 #include "common/core/result.h"
-#include "services/view/memory_file.h"
 
 namespace sprout::view {
+
+/// An unnamed file in memory: lets functions that write files produce what is sent to a browser.
+class MemoryFile {
+ public:
+  /// @throws std::system_error when it cannot be created.
+  MemoryFile();
+  ~MemoryFile();
+  MemoryFile(MemoryFile&& other) noexcept;
+  MemoryFile& operator=(MemoryFile&&) = delete;
+
+  /// Path for writing it, once; see OutputFile.
+  std::filesystem::path path() const;
+
+  /// A new descriptor, at the beginning of the file; the caller closes it.
+  int OpenForReading() const;
+
+ private:
+  int descriptor_ = -1;
+};
 
 /// Files being sent to browsers. Each takes memory while it is read, and a browser that does not
 /// read holds it for minutes, so their number is limited. Thread-safe.

@@ -2,7 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/app/board_text.h"
 #include "services/view/packet.h"
 
 namespace sprout::view {

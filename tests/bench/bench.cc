@@ -7,8 +7,6 @@
 #include <cstdlib>
 #include <functional>
 #include <iostream>
-#include <map>
-#include <memory>
 #include <opencv2/calib3d.hpp>
 #include <string>
 #include <utility>

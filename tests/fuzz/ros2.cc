@@ -1,5 +1,4 @@
 // ROS 2's messages in CDR, and MCAP files.
-#include <filesystem>
 
 #include "common/ros/from_ros.h"
 #include "common/ros/mcap_reader.h"

@@ -1,7 +1,6 @@
 // A GigE Vision camera that does not exist: Aravis' simulator with pictures, a clock and a GenICam
 // file of our own. See tests/rig/README.md.
 
-#include <arpa/inet.h>
 #include <ifaddrs.h>
 #include <net/if.h>
 

@@ -1,7 +1,6 @@
 #include "tests/rig/rig_scene.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 

@@ -147,15 +147,5 @@ TEST_F(DamagedBatch, AManifestFromElsewhereWritesNothingOutside) {
   EXPECT_EQ(BytesOfFile(folder_ / "victim_a.lcm"), "mine");
 }
 
-TEST(BatchBorder, AListThatContainsItselfGivesOneLine) {
-  const TemporaryDirectory folder;
-  const std::string list = folder / "list.txt";
-  std::ofstream(list) << "@" << list << "\n";
-  const Outcome outcome =
-      RunProgramOf({"sprout-batch", "run", "@" + list, "--out", folder / "out"});
-  EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_EQ(outcome.output, "sprout-batch: @" + list + ": the list contains itself\n");
-}
-
 }  // namespace
 }  // namespace sprout

@@ -4,21 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
 #include <vector>
 
-#include "common/app/process.h"
+#include "tests/system/eventually.h"
 
 namespace sprout {
-
-inline std::string ProgramPath(const std::string& name) {
-  return (std::filesystem::path(SPROUT_BINARY_DIR) / name).string();
-}
 
 struct Outcome {
   int exit_code;

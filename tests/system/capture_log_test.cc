@@ -1,8 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include "common/bus/channels.h"
 #include "common/bus/receiver.h"
 #include "tests/system/graph.h"

@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -13,6 +14,11 @@
 #include "common/app/process.h"
 
 namespace sprout {
+
+/// Path of one of our programs, "sprout-grow".
+inline std::string ProgramPath(const std::string& name) {
+  return (std::filesystem::path(SPROUT_BINARY_DIR) / name).string();
+}
 
 /// Waits for a condition that no message of the graph tells of; false after `timeout`.
 inline bool Eventually(const std::function<bool()>& condition,
@@ -37,6 +43,13 @@ inline bool Catches(pid_t pid, int signal) {
   const size_t caught = status.find("SigCgt:");
   if (caught == std::string::npos) return false;
   return (std::stoull(status.substr(caught + 7), nullptr, 16) >> (signal - 1) & 1) != 0;
+}
+
+/// Peak of the memory of a process, MB; 0 when it has ended.
+inline int64_t PeakMegabytes(pid_t pid) {
+  const std::string status = ProcText(pid, "status");
+  const size_t peak = status.find("VmHWM:");
+  return peak == std::string::npos ? 0 : std::stoll(status.substr(peak + 6)) / 1024;
 }
 
 /// Waits until a process has written that.

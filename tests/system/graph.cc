@@ -1,9 +1,7 @@
 #include "tests/system/graph.h"
 
 #include <stdexcept>
-#include <thread>
 
-#include "common/bus/channels.h"
 #include "common/messages/codec.h"
 
 namespace sprout {

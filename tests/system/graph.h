@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <condition_variable>
-#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -23,11 +22,6 @@
 #include "tests/system/eventually.h"
 
 namespace sprout {
-
-/// Path of one of our programs, "sprout-grow".
-inline std::string ProgramPath(const std::string& name) {
-  return (std::filesystem::path(SPROUT_BINARY_DIR) / name).string();
-}
 
 /// The stages between capture and disparity.
 inline constexpr const char* kChain[] = {"refine", "prior", "grow"};

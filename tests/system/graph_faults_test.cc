@@ -9,9 +9,7 @@
 #include <csignal>
 #include <fstream>
 #include <map>
-#include <memory>
 #include <sstream>
-#include <thread>
 
 #include "common/bus/lcm_url.h"
 #include "common/logfile/log_reader.h"

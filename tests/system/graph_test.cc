@@ -1,6 +1,5 @@
 #include "tests/system/graph.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <csignal>

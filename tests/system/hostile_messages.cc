@@ -7,7 +7,6 @@
 #include "common/core/image.h"
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"
-#include "services/tools/check/bad_messages.h"
 
 namespace sprout {
 namespace {

@@ -1,7 +1,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <csignal>
 
 #include "tests/system/graph.h"
@@ -23,14 +22,6 @@ TEST(LifecycleSystem, SignalsEndEveryServiceCleanly) {
       })) << stage;
     }
   }
-}
-
-TEST(LifecycleSystem, EffectiveConfigurationIsPrintedAtStartWhenAskedFor) {
-  Graph graph;
-  Process& grow = graph.Start("grow", {"--config", "paper", "--log-level", "debug"});
-  EXPECT_THAT(grow.Output(), HasSubstr("sigma_p_px: 17.4"));
-  EXPECT_THAT(grow.Output(), HasSubstr("sigma_s_squared: 0.1"));
-  EXPECT_THAT(grow.Output(), HasSubstr(graph.statuses["grow"].config_digest));
 }
 
 TEST(LifecycleSystem, StatusComesOnceASecond) {

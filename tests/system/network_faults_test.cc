@@ -1,5 +1,4 @@
 // A bad network between capture and the stages: what is lost there is counted, and no map is wrong.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -7,7 +6,6 @@
 #include <memory>
 #include <thread>
 
-#include "common/bus/lcm_url.h"
 #include "tests/system/graph.h"
 #include "tests/system/graph_record.h"
 #include "tests/system/relay.h"

@@ -6,7 +6,6 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
-#include "common/core/image.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/graph.h"
 

@@ -1,7 +1,6 @@
 // sprout-quality beside a sender of maps.
 #include <gmock/gmock.h>
 
-#include <atomic>
 #include <csignal>
 #include <thread>
 

@@ -158,22 +158,6 @@ TEST(RecordRobot, KeepsWhatAMessageOrALowConfidenceAsksFor) {
   EXPECT_TRUE(channels.contains("A_SPROUT_STATUS"));
 }
 
-TEST(RecordRobot, WritesNothingTwiceHoweverFastTriggersCome) {
-  const TemporaryDirectory folder;
-  const fs::path logs = folder / "logs";
-  Graph graph;
-  Process& record = graph.Start(
-      "record", {"--dir", logs, "--ring", "5", "--after", "0", "--trigger-channel", "SPROUT_LEFT"});
-  graph.Start("capture", kCamera);  // 20 triggers a second
-  ASSERT_TRUE(HasRecorded(graph, 100));
-  record.Signal(SIGINT);
-  ASSERT_EQ(record.Wait(), 0) << record.Output();
-  ASSERT_EQ(Logs(logs).size(), 1U) << record.Output();
-  const std::vector<int64_t> seqs = SeqsOf(ReadChannels(Logs(logs)[0]), Part::kLeft);
-  EXPECT_GE(seqs.size(), 99U);
-  EXPECT_TRUE(AreConsecutive(seqs));
-}
-
 TEST(RecordRobot, GoesOnInTheNextLogWithoutAGap) {
   const TemporaryDirectory folder;
   const fs::path logs = folder / "logs";
@@ -316,17 +300,6 @@ TEST(RecordRobot, SaysThatTheFolderHasVanished) {
   ASSERT_EQ(record.Wait(), 1) << record.Output();
   EXPECT_THAT(record.Output(), HasSubstr("logs: has vanished"));
   EXPECT_THAT(Summarise(Logs(folder / "elsewhere")[0]).status.last_error, HasSubstr("vanished"));
-}
-
-TEST(RecordRobot, SaysThatNothingCame) {
-  const TemporaryDirectory folder;
-  const fs::path logs = folder / "logs";
-  Graph graph;
-  Process& record = graph.Start("record", {"--dir", logs});
-  record.Signal(SIGINT);
-  EXPECT_EQ(record.Wait(), 1);
-  EXPECT_THAT(record.Output(), HasSubstr("nothing came; is the graph running"));
-  EXPECT_TRUE(fs::is_empty(logs));
 }
 
 TEST(RecordRobot, RefusesFlagsThatCannotWork) {

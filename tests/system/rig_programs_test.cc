@@ -18,6 +18,7 @@
 #include "services/tools/check/test_frames.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/services/tools/calibrate/board_scene.h"
+#include "tests/system/eventually.h"
 #include "tests/system/hostile_messages.h"
 #include "tests/system/log_bytes.h"
 
@@ -29,22 +30,6 @@ using std::chrono::seconds;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
-
-std::string ProgramPath(const std::string& name) {
-  return (std::filesystem::path(SPROUT_BINARY_DIR) / name).string();
-}
-
-// Peak of its memory, MB.
-int64_t PeakMegabytes(pid_t pid) {
-  std::ifstream status(fmt::format("/proc/{}/status", pid));
-  for (std::string word; status >> word;) {
-    if (word != "VmHWM:") continue;
-    int64_t kilobytes = 0;
-    status >> kilobytes;
-    return kilobytes / 1024;
-  }
-  return 0;
-}
 
 class RigProgramsSystem : public testing::Test {
  protected:

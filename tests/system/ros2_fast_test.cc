@@ -6,7 +6,6 @@
 #include <fstream>
 #include <thread>
 
-#include "tests/common/picture/temporary_directory.h"
 #include "tests/system/ros2_fast_peers.h"
 #include "tests/system/ros2_feed.h"
 

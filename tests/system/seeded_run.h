@@ -2,7 +2,6 @@
 #define SPROUT_TESTS_SYSTEM_SEEDED_RUN_H_
 
 #include <cstdint>
-#include <cstdlib>
 #include <iostream>
 #include <stdexcept>
 #include <string>

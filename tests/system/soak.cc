@@ -10,12 +10,10 @@
 #include <iostream>
 #include <iterator>
 #include <map>
-#include <memory>
 #include <thread>
 #include <vector>
 
 #include "common/app/process.h"
-#include "common/bus/lcm_url.h"
 #include "tests/system/graph.h"
 #include "tests/system/slope.h"
 

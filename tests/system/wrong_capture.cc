@@ -14,10 +14,8 @@
 namespace sprout {
 namespace {
 
-const std::set<std::string> kFaults = {
-    "none",      "silent",       "no_tof",     "stops",          "right_is_earlier",
-    "skips",     "no_rig",       "rig_once",   "half_size",      "one_picture",
-    "sends_map", "ends_at_once", "ends_early", "ignores_sigterm"};
+const std::set<std::string> kFaults = {"none",     "silent",       "no_tof",     "stops",
+                                       "rig_once", "ends_at_once", "ends_early", "ignores_sigterm"};
 
 const cv::Size kSize(64, 48);
 constexpr std::chrono::milliseconds kPeriod{100};
@@ -41,11 +39,10 @@ class WrongCapture {
       : fault_(std::move(fault)), publisher_(url, "") {}
 
   [[noreturn]] void Run() {
-    for (int64_t i = 0;; ++i) {
-      if (Has("stops") && i > kLastFrame) std::this_thread::sleep_for(std::chrono::hours(1));
-      if (Has("ends_early") && i > kLastFrame) std::_Exit(0);
-      const int64_t seq = Has("skips") && i > kLastFrame ? i + 1 : i;
-      Send({.utime = 1'700'000'000'000'000 + i * 100'000, .seq = seq, .rig_id = RigId(rig_)});
+    for (int64_t seq = 0;; ++seq) {
+      if (Has("stops") && seq > kLastFrame) std::this_thread::sleep_for(std::chrono::hours(1));
+      if (Has("ends_early") && seq > kLastFrame) std::_Exit(0);
+      Send({.utime = 1'700'000'000'000'000 + seq * 100'000, .seq = seq, .rig_id = RigId(rig_)});
       std::this_thread::sleep_for(kPeriod);
     }
   }
@@ -55,19 +52,10 @@ class WrongCapture {
 
   void Send(const FrameId& id) {
     if (Has("silent")) return;
-    if (!Has("no_rig") && (id.seq == 0 || (id.seq % 10 == 0 && !Has("rig_once")))) {
-      Publish(id, Part::kRig, rig_);
-    }
-    Publish(id, Part::kLeft, Picture(100, Has("half_size") ? kSize / 2 : kSize));
-    FrameId right = id;
-    if (Has("right_is_earlier")) --right.utime;
-    Publish(right, Part::kRight, Picture(Has("one_picture") ? 100 : 110, kSize));
+    if (id.seq == 0 || (id.seq % 10 == 0 && !Has("rig_once"))) Publish(id, Part::kRig, rig_);
+    Publish(id, Part::kLeft, cv::Mat(kSize, CV_8UC1, cv::Scalar(100)));
+    Publish(id, Part::kRight, cv::Mat(kSize, CV_8UC1, cv::Scalar(110)));
     if (!Has("no_tof")) Publish(id, Part::kTof, TofImage());
-    if (Has("sends_map")) Publish(id, Part::kDisparity, DisparityImage(kSize));
-  }
-
-  static PartValue Picture(uint8_t grey, cv::Size size) {
-    return cv::Mat(size, CV_8UC1, cv::Scalar(grey));
   }
 
   void Publish(const FrameId& id, Part part, const PartValue& value) {

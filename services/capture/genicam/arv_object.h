@@ -6,8 +6,6 @@
 #include <memory>
 #include <string>
 
-#include "common/core/result.h"
-
 namespace sprout::capture {
 
 /// Owns one reference of a GObject.

@@ -9,7 +9,6 @@
 #include "common/core/image.h"
 #include "common/core/receive_buffer.h"
 #include "common/geometry/lens.h"
-#include "services/capture/genicam/action_command.h"
 #include "services/capture/genicam/pixels.h"
 
 namespace sprout::capture {

@@ -2,11 +2,10 @@
 
 #include <fmt/core.h>
 
-#include <array>
 #include <cmath>
 #include <string_view>
 
-#include "services/capture/genicam/action_command.h"
+#include "services/capture/genicam/discovery.h"
 
 namespace sprout::capture {
 namespace {

@@ -1,6 +1,8 @@
 #ifndef SPROUT_SERVICES_CAPTURE_GENICAM_DISCOVERY_H_
 #define SPROUT_SERVICES_CAPTURE_GENICAM_DISCOVERY_H_
 
+#include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -35,6 +37,20 @@ struct OpenedCamera {
 /// is searched once for all of them. The error says that it does not answer, that another program
 /// holds it, or another reason. Thread-safe.
 Result<OpenedCamera> OpenBySerial(const std::string& serial);
+
+/// Keys of action commands, which a camera compares with its own (ActionDeviceKey, ActionGroupKey,
+/// ActionGroupMask).
+inline constexpr uint32_t kActionDeviceKey = 0x5350524F;  // "SPRO"
+inline constexpr uint32_t kActionGroupKey = 1;
+inline constexpr uint32_t kActionGroupMask = 1;
+
+/// GigE Vision's ACTION_CMD packet, scheduled (GigE Vision 2.0, GVCP): 8 bytes of header, the three
+/// keys, the time; big endian. It requests no answer.
+/// @param time_ns  of the cameras' common clock.
+std::array<uint8_t, 28> ScheduledAction(uint16_t request_id, uint64_t time_ns);
+
+/// Sends it to one camera; Aravis has no function for this.
+Result<void> SendScheduledAction(ArvGvDevice* device, uint16_t request_id, uint64_t time_ns);
 
 }  // namespace sprout::capture
 

@@ -9,8 +9,6 @@
 #include <cstring>
 #include <limits>
 
-#include "common/core/image.h"
-
 namespace sprout::capture {
 namespace {
 

@@ -6,7 +6,6 @@
 
 #include "common/config/config_error.h"
 #include "common/ros/chunk_codec.h"
-#include "common/ros/mcap_parts.h"
 #include "common/ros/mcap_reader.h"
 #include "services/capture/ros2/ros_input.h"
 

@@ -2,7 +2,6 @@
 #define SPROUT_SERVICES_CAPTURE_ROS2_ROS_SETTINGS_H_
 
 #include <array>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>

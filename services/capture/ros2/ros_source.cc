@@ -12,7 +12,6 @@
 #include "common/scenes/tof_grid.h"
 #include "common/scenes/velodyne_scan.h"
 #include "services/capture/ros2/ros_calibration.h"
-#include "services/capture/ros2/ros_rig_watch.h"
 #include "services/capture/ros2/ros_triplets.h"
 
 namespace sprout::capture {

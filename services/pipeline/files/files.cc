@@ -11,12 +11,9 @@
 #include <future>
 #include <iomanip>
 #include <iostream>
-#include <optional>
 #include <sstream>
-#include <string>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include "common/app/progress.h"
 #include "common/core/image.h"

@@ -4,8 +4,8 @@
 #include "common/core/image.h"
 #include "common/geometry/projection.h"
 #include "common/rig/rig_file.h"
-#include "common/scenes/calib_file.h"
-#include "common/scenes/range_file.h"
+#include "common/scenes/middlebury_calibration.h"
+#include "common/scenes/pfm.h"
 
 namespace sprout {
 namespace {

@@ -6,7 +6,6 @@
 #include <atomic>
 #include <exception>
 #include <functional>
-#include <string>
 #include <system_error>
 #include <thread>
 #include <utility>

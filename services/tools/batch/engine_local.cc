@@ -13,9 +13,9 @@
 
 #include "common/app/process.h"
 #include "common/app/progress.h"
-#include "common/core/interrupt.h"
+#include "common/core/signal_watcher.h"
 #include "services/tools/batch/engines.h"
-#include "services/tools/batch/log_try.h"
+#include "services/tools/batch/log_task.h"
 
 namespace sprout::batch {
 namespace {

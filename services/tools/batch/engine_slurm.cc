@@ -8,7 +8,7 @@
 
 #include "common/app/process.h"
 #include "common/config/config_error.h"
-#include "common/core/shell_word.h"
+#include "common/core/printable.h"
 #include "services/tools/batch/engines.h"
 
 namespace sprout::batch {

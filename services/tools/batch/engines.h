@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "services/tools/batch/batch_state.h"
+#include "services/tools/batch/result_folder.h"
 
 namespace sprout::batch {
 

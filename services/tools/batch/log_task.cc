@@ -1,27 +1,106 @@
 #include "services/tools/batch/log_task.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <deque>
+#include <fstream>
+#include <limits>
 #include <memory>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include "common/app/compute.h"
 #include "common/app/process.h"
+#include "common/config/stage_parts.h"
 #include "common/core/host_name.h"
+#include "common/core/number_text.h"
 #include "common/core/printable.h"
+#include "common/frames/log_frames.h"
 #include "common/logfile/log_error.h"
-#include "services/tools/batch/answers.h"
-#include "services/tools/batch/log_try.h"
+#include "common/logfile/log_reader.h"
+#include "common/logfile/log_writer.h"
+#include "services/tools/batch/frame_table.h"
 #include "services/tools/batch/measures.h"
 #include "services/tools/batch/result_folder.h"
-#include "services/tools/batch/stage_runs.h"
 
 namespace sprout::batch {
 namespace {
+
+// Writes one log of several, as `sprout-log merge` does: by time; each log keeps its order, of
+// equal times the one named first comes first. @throws LogError.
+void MergeLogs(const std::vector<std::string>& logs, const std::filesystem::path& out) {
+  struct Stream {
+    explicit Stream(const std::string& log) : reader(log) { Next(); }
+    void Next() {
+      if (!reader.Next(event)) event.utime = std::numeric_limits<int64_t>::max();
+    }
+
+    LogReader reader;
+    LogEvent event;
+  };
+  std::deque<Stream> streams(logs.begin(), logs.end());
+  LogWriter writer(out);
+  for (;;) {
+    Stream& next = *std::ranges::min_element(
+        streams, {}, [](const Stream& stream) { return stream.event.utime; });
+    if (next.event.utime == std::numeric_limits<int64_t>::max()) break;
+    writer.Write(next.event.utime, next.event.channel, next.event.data);
+    next.Next();
+  }
+  writer.Close();
+}
+
+// Measures what the stages of a batch answered, see MeasureFrames().
+// @param logs  the input, and what each stage answered. @throws LogError.
+Table MeasureAnswers(const Manifest& manifest, const SproutConfig& config,
+                     const std::vector<std::string>& logs) {
+  const Part answer = AnswerOf(*manifest.stage().rbegin());
+  // What the stages took from the log, which may have recorded answers, too. The place of the left
+  // image is wanted for pictures.
+  PartSet input = {Part::kLeft};
+  PartSet answered;
+  for (const std::string& stage : manifest.stage()) {
+    for (const Part part : kAllParts) {
+      if (!answered.Has(part) && InputsOf(stage, config).Has(part)) input.Add(part);
+      if (OutputsOf(stage, config).Has(part)) answered.Add(part);
+    }
+  }
+  FrameLookup frames(manifest.channel_prefix());
+  frames.Add(logs[0], input);
+  for (int i = 0; i < manifest.stage_size(); ++i) {
+    const PartSet outputs = OutputsOf(manifest.stage(i), config);
+    const bool is_needed = std::ranges::any_of(kAllParts, [&](Part part) {
+      return outputs.Has(part) && (part == answer || MeasuredParts().Has(part));
+    });
+    if (is_needed) frames.Add(logs[static_cast<size_t>(i) + 1], outputs);
+  }
+  return MeasureFrames(frames, answer, manifest.measured());
+}
+
+// Whether no frame of the log has all that the first stage needs; then counts why. Reads the whole
+// log. @throws LogError.
+bool CountWithoutFrames(const Manifest& manifest, const BatchLog& log, const SproutConfig& config,
+                        StageRun& run) {
+  int64_t refused = 0;
+  WholeFrames frames(log.path(), manifest.channel_prefix(), InputsOf(manifest.stage(0), config),
+                     [&](const LogEvent&, const std::string&) { ++refused; });
+  if (frames.Next()) return false;
+  int64_t damaged = 0;
+  for (const LogDamage& damage : frames.log().damage()) damaged += damage.bytes;
+  run.set_incomplete(frames.joiner().incomplete());
+  run.set_left_out(frames.joiner().sequence_gaps());
+  run.set_bad_messages(refused);
+  run.set_damaged_bytes(damaged);
+  return true;
+}
 
 namespace fs = std::filesystem;
 
@@ -205,6 +284,56 @@ void RunLog(const BatchFolder& folder, const Manifest& manifest, int log, int th
   } catch (const std::exception& e) {
     attempt.Fail(e.what());
     throw;
+  }
+}
+
+LogTry::LogTry(const BatchFolder& folder, int log) {
+  std::error_code ignored;
+  std::filesystem::create_directories(folder.failures(), ignored);
+  int descriptor = -1;
+  for (int i = 1; descriptor < 0; ++i) {
+    path_ = TryPath(folder, log, i);
+    descriptor = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor < 0 && errno != EEXIST) return;  // what cannot be written shows at the results
+  }
+  close(descriptor);
+  std::ofstream(path_) << fmt::format(
+      "started on {} by process {}; if that is not running any more, it was killed\n", HostName(),
+      getpid());
+}
+
+LogTry::~LogTry() {
+  std::error_code ignored;
+  if (!failed_) std::filesystem::remove(path_, ignored);
+}
+
+void LogTry::Fail(const std::string& why) {
+  if (std::exchange(failed_, true)) return;
+  std::ofstream(path_) << why << "\n";
+}
+
+std::filesystem::path TryPath(const BatchFolder& folder, int log, int tries) {
+  return folder.failures() / fmt::format("{}.{}.txt", log, tries);
+}
+
+std::map<int, int> FailedTries(const BatchFolder& folder) {
+  std::map<int, int> tries;
+  std::error_code none;
+  for (const auto& file : std::filesystem::directory_iterator(folder.failures(), none)) {
+    const std::string name = file.path().filename();
+    const size_t dot = name.find('.');
+    if (dot == std::string::npos) continue;
+    const auto log = ParseNumber<int>(std::string_view(name).substr(0, dot));
+    if (log) ++tries[*log];
+  }
+  return tries;
+}
+
+void ForgetTry(const BatchFolder& folder, int log) {
+  const auto tries = FailedTries(folder);
+  const auto found = tries.find(log);
+  if (found != tries.end()) {
+    std::filesystem::remove(TryPath(folder, log, found->second));
   }
 }
 

@@ -12,8 +12,7 @@
 #include "common/core/printable.h"
 #include "common/core/read_text.h"
 #include "common/logfile/log_error.h"
-#include "common/messages/shortened.h"
-#include "services/tools/batch/names.h"
+#include "services/tools/batch/planning.h"
 
 namespace sprout::batch {
 namespace {

@@ -1,14 +1,52 @@
 #ifndef SPROUT_SERVICES_TOOLS_BATCH_MEASURES_H_
 #define SPROUT_SERVICES_TOOLS_BATCH_MEASURES_H_
 
+#include <cstdint>
+#include <deque>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "services/tools/batch/frame_lookup.h"
-#include "services/tools/batch/table.h"
+#include "common/core/frame.h"
+#include "common/frames/frame_index.h"
+#include "common/logfile/event_fetcher.h"
+#include "services/tools/batch/frame_table.h"
 
 namespace sprout::batch {
+
+/// Finds the parts of frames in logs, in any order; the parts of one frame may be in several logs.
+class FrameLookup {
+ public:
+  explicit FrameLookup(std::string prefix) : prefix_(std::move(prefix)) {}
+
+  /// Adds these parts of a log. Reads all of it, in constant memory but for the positions of the
+  /// messages. @throws LogError.
+  void Add(const std::filesystem::path& log, const PartSet& parts = AllParts());
+
+  /// Frames that have a part, in the order of the logs.
+  std::vector<FrameId> FramesWith(Part part) const;
+
+  /// Byte in the first log that has it where the part of a frame begins.
+  std::optional<int64_t> PlaceOf(const FrameId& id, Part part) const;
+
+  /// The parts of a frame that exist and can be decoded; if several logs have a part, it is taken
+  /// from the last. An empty rig_id matches any.
+  Frame Get(const FrameId& id, const PartSet& parts);
+
+ private:
+  struct Log {
+    Log(const std::filesystem::path& path, const FrameChoice& choice)
+        : fetcher(path), index(choice) {}
+
+    EventFetcher fetcher;
+    FrameIndex index;
+  };
+
+  std::string prefix_;
+  std::deque<Log> logs_;
+};
 
 /// Columns behind kFrameColumns in the tables of MeasureFrames() and CompareFrames().
 std::vector<std::string> MeasureColumns();

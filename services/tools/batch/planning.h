@@ -1,7 +1,10 @@
 #ifndef SPROUT_SERVICES_TOOLS_BATCH_PLANNING_H_
 #define SPROUT_SERVICES_TOOLS_BATCH_PLANNING_H_
 
+#include <filesystem>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "services/tools/batch/manifest.h"
@@ -31,6 +34,43 @@ void SayLeftOut(const Manifest& manifest);
 /// @param program  path of sprout-batch.
 /// @throws ConfigError, LogError.
 Manifest Plan(const BatchRequest& request, const std::string& program);
+
+/// The logs (*.lcm) in a folder and below: absolute paths, sorted. A file with several names (links
+/// of either kind) is one log, by the first name that is no symbolic link where there is one.
+/// @throws ConfigError when there is none.
+std::vector<std::string> LogsBelow(const std::filesystem::path& folder);
+
+/// The selected logs: absolute paths, without duplicates, in order.
+struct FoundLogs {
+  std::vector<std::string> logs;
+  /// Those whose paths are not allowed in a manifest, as text for people (Printable()).
+  std::vector<std::string> left_out;
+};
+
+/// @param inputs  logs, folders of logs, @LIST files with one of these a line.
+/// @throws ConfigError for missing inputs, a list that contains itself, and when no log is left.
+FoundLogs FindLogs(const std::vector<std::string>& inputs);
+
+/// Why a log is left out; stands behind its name.
+inline constexpr char kBadName[] =
+    ": is not allowed in the manifest; allowed are names in UTF-8 without control characters";
+
+/// Whether a text is allowed in a manifest, in a table and on a page: UTF-8 without control
+/// characters. File names may hold any bytes.
+bool IsPlainText(std::string_view text);
+
+/// @throws ConfigError that names the flag when `text` is not plain.
+void RequirePlainText(const std::string& flag, const std::string& text);
+
+/// Whether a log's results can have this name: plain text that is one part of a path and one cell
+/// of a table.
+bool IsResultName(std::string_view name);
+
+/// Name of a log's results: its file's name, changed to satisfy IsResultName(), with a number
+/// appended if another log has that name.
+/// @param log    plain text.
+/// @param taken  names of the other logs; the new one is added.
+std::string ResultNameOf(const std::filesystem::path& log, std::set<std::string>& taken);
 
 }  // namespace sprout::batch
 

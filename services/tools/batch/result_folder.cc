@@ -4,15 +4,19 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cinttypes>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
 #include <sstream>
-#include <vector>
 
 #include "common/core/digest.h"
 #include "common/core/host_name.h"
 #include "common/core/read_text.h"
+#include "common/core/signal_watcher.h"
 #include "common/logfile/file_window.h"
 #include "common/logfile/log_error.h"
-#include "services/tools/batch/manifest.h"
+#include "services/tools/batch/log_task.h"
 
 namespace sprout::batch {
 namespace {
@@ -46,6 +50,31 @@ bool IsAsListed(const fs::path& file, const std::string& digest, uintmax_t bytes
   } catch (const ConfigError&) {  // cannot be read
     return false;
   }
+}
+
+bool IsDone(const BatchFolder& folder, const Manifest& manifest, int log) {
+  for (int i = 0; i < manifest.variant_size(); ++i) {
+    if (!IsWhole(folder.result(manifest, log, i), ResultCheck::kQuick)) return false;
+  }
+  return !Compares(manifest) || IsWhole(folder.comparison(manifest, log), ResultCheck::kQuick);
+}
+
+// @returns false when the result is damaged.
+bool LinkOne(const BatchFolder& folder, const Manifest& manifest, int log, int variant) {
+  const fs::path result = folder.result(manifest, log, variant);
+  const fs::path link = folder.answers(manifest.log(log), variant);
+  const fs::path target = fs::relative(result, link.parent_path()) / kAnswers;
+  std::error_code none;
+  if (fs::read_symlink(link, none) == target) return true;
+  fs::remove(link);
+  if (!IsWhole(result, ResultCheck::kAll)) {
+    std::cerr << fmt::format("sprout-batch: {}: damaged; log {} is computed again\n",
+                             result.string(), log);
+    MarkDamaged(result);
+    return false;
+  }
+  if (fs::exists(result / kAnswers)) fs::create_symlink(target, link);
+  return true;
 }
 
 }  // namespace
@@ -108,6 +137,93 @@ bool IsWhole(const fs::path& result, ResultCheck check) {
 void MarkDamaged(const fs::path& result) {
   std::error_code ignored;
   fs::remove(result / kList, ignored);
+}
+
+std::optional<StageRun> ParseReplayReport(const std::string& output) {
+  const size_t at = output.find(" events; frames: ");
+  int64_t in = 0, out = 0, degenerate = 0, failed = 0, incomplete = 0, left_out = 0, bad = 0,
+          damaged = 0;
+  if (at == std::string::npos ||
+      std::sscanf(output.c_str() + at,
+                  " events; frames: %" SCNd64 " in, %" SCNd64 " out (%" SCNd64
+                  " degenerate), %" SCNd64 " failed, %" SCNd64 " incomplete, %" SCNd64
+                  " left out; %" SCNd64 " bad messages, %" SCNd64 " damaged bytes",
+                  &in, &out, &degenerate, &failed, &incomplete, &left_out, &bad, &damaged) != 8) {
+    return std::nullopt;
+  }
+  StageRun run;
+  run.set_frames_in(in);
+  run.set_frames_out(out);
+  run.set_degenerate(degenerate);
+  run.set_failed(failed);
+  run.set_incomplete(incomplete);
+  run.set_left_out(left_out);
+  run.set_bad_messages(bad);
+  run.set_damaged_bytes(damaged);
+  return run;
+}
+
+StageRuns ReadStageRuns(const std::filesystem::path& result, const Manifest& manifest) {
+  const std::filesystem::path path = result / kRuns;
+  constexpr char kCure[] = "; remove its folder, and the log is computed again";
+  StageRuns runs;
+  const Result<std::string> text = ReadText(path);
+  if (!text) throw LogError(path, text.error().text + kCure);
+  try {
+    ParseText(*text, "counts", runs);
+  } catch (const ConfigError& e) {
+    throw LogError(path, e.what() + std::string(kCure));
+  }
+  if (runs.run_size() != manifest.stage_size()) {
+    throw LogError(path, "lacks the counts of a stage" + std::string(kCure));
+  }
+  for (const StageRun& run : runs.run()) {
+    if (run.frames_in() >= 0 && run.frames_out() >= 0 && std::isfinite(run.seconds())) continue;
+    throw LogError(path, "has a count that is not possible" + std::string(kCure));
+  }
+  return runs;
+}
+
+BatchState StateOf(const BatchFolder& folder, const Manifest& manifest) {
+  BatchState state;
+  for (int log = 0; log < manifest.log_size(); ++log) {
+    state.done.push_back(IsDone(folder, manifest, log));
+    if (!state.done.back()) ++state.missing;
+  }
+  return state;
+}
+
+BatchState LinkAnswers(const BatchFolder& folder, const Manifest& manifest) {
+  fs::create_directories(folder.root() / "logs");
+  BatchState state = StateOf(folder, manifest);
+  for (int log = 0; log < manifest.log_size(); ++log) {
+    const auto at = static_cast<size_t>(log);
+    for (int i = 0; i < manifest.variant_size(); ++i) {
+      Interrupt::Check();
+      if (!state.done[at]) {
+        fs::remove(folder.answers(manifest.log(log), i));  // of an earlier batch
+      } else if (!LinkOne(folder, manifest, log, i)) {
+        state.done[at] = false;
+        ++state.missing;
+      }
+    }
+  }
+  return state;
+}
+
+void RemoveParts(const BatchFolder& folder) {
+  std::vector<fs::path> parts;
+  for (const char* const kind : {"results", "comparisons"}) {
+    if (!fs::exists(folder.root() / kind)) continue;
+    for (const auto& group : fs::directory_iterator(folder.root() / kind)) {
+      for (const auto& result : fs::directory_iterator(group)) {
+        if (result.path().filename().string().find(".part-") != std::string::npos) {
+          parts.push_back(result.path());
+        }
+      }
+    }
+  }
+  for (const fs::path& part : parts) fs::remove_all(part);
 }
 
 }  // namespace sprout::batch

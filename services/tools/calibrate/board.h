@@ -2,6 +2,7 @@
 #define SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_H_
 
 #include <Eigen/Core>
+#include <filesystem>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
@@ -76,6 +77,18 @@ class Board {
   std::vector<Eigen::Vector3d> corners_;
   int corner_columns_ = 0;
 };
+
+/// The board as a page at true scale: the pattern, a line of a round length to check the print
+/// with, and the flags of `sprout-calibrate` for this board. The same board gives the same
+/// bytes.
+///
+/// @param path its suffix chooses the format; nothing is written
+/// @return     a PDF or SVG file's content
+/// @throws ConfigError for another suffix than .pdf or .svg
+std::string BoardPage(const Board& board, const std::filesystem::path& path);
+
+/// Width and height of the page, mm: the pattern with its margin, and the line below.
+Eigen::Vector2d BoardPageSizeMm(const Board& board);
 
 }  // namespace sprout::calibrate
 

@@ -5,10 +5,8 @@
 #include <map>
 #include <opencv2/imgproc.hpp>
 #include <optional>
-#include <utility>
 
 #include "common/core/quantile.h"
-#include "services/tools/calibrate/board_reader.h"
 
 namespace sprout::calibrate {
 namespace {

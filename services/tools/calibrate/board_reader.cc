@@ -1,5 +1,3 @@
-#include "services/tools/calibrate/board_reader.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -8,6 +6,8 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <utility>
+
+#include "services/tools/calibrate/board_finder.h"
 
 namespace sprout::calibrate {
 namespace {

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <opencv2/core.hpp>
-#include <vector>
 
 #include "common/core/tof_image.h"
 #include "services/tools/calibrate/board.h"

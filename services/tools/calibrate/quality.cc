@@ -8,7 +8,6 @@
 #include "common/core/quantile.h"
 #include "common/geometry/lens.h"
 #include "common/rig/rectifier.h"
-#include "services/tools/calibrate/coverage.h"
 
 namespace sprout::calibrate {
 namespace {

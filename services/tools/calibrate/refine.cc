@@ -11,16 +11,14 @@
 #include "common/app/progress.h"
 #include "common/bus/channels.h"
 #include "common/config/config_error.h"
-#include "common/core/shell_word.h"
+#include "common/core/printable.h"
 #include "common/inputs/check_inputs.h"
 #include "common/rig/rectifier.h"
-#include "services/tools/calibrate/frame_log.h"
 #include "services/tools/calibrate/image_folder.h"
-#include "services/tools/calibrate/rectify_images.h"
+#include "services/tools/calibrate/report.h"
 #include "services/tools/calibrate/result_file.h"
 #include "services/tools/calibrate/scene/scene_checks.h"
 #include "services/tools/calibrate/scene/scene_refiner.h"
-#include "services/tools/calibrate/scene/scene_report.h"
 
 namespace sprout::calibrate {
 namespace {

@@ -7,7 +7,6 @@
 #include <cerrno>
 #include <iostream>
 #include <optional>
-#include <stdexcept>
 #include <stop_token>
 #include <system_error>
 #include <vector>
@@ -17,14 +16,12 @@
 #include "common/bus/mailbox.h"
 #include "common/bus/receiver.h"
 #include "common/config/config_error.h"
-#include "common/core/shell_word.h"
+#include "common/core/printable.h"
 #include "common/core/signal_watcher.h"
 #include "common/frames/frame_joiner.h"
-#include "common/messages/codec.h"
 #include "services/tools/calibrate/coverage.h"
 #include "services/tools/calibrate/image_folder.h"
 #include "services/tools/calibrate/report.h"
-#include "services/tools/calibrate/view_collector.h"
 
 namespace sprout::calibrate {
 namespace {

@@ -10,8 +10,6 @@
 #include "common/core/image.h"
 #include "common/core/quantile.h"
 #include "common/messages/codec.h"
-#include "services/tools/check/contract.h"
-#include "services/tools/check/program_check.h"
 
 namespace sprout::check {
 namespace {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "common/core/frame.h"
-#include "services/tools/check/bus_connection.h"
-#include "services/tools/check/findings.h"
+#include "services/tools/check/contract.h"
+#include "services/tools/check/program_check.h"
 
 namespace sprout::check {
 

@@ -2,7 +2,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
+#include <ostream>
+#include <string_view>
 
 #include "common/bus/channels.h"
 #include "common/config/config_error.h"
@@ -10,6 +13,42 @@
 
 namespace sprout::check {
 namespace {
+
+std::string_view TextOf(Rule rule) {
+  switch (rule) {
+    case Rule::kStart:
+      return "starts and answers";
+    case Rule::kSends:
+      return "starts and sends frames";
+    case Rule::kOneAnswer:
+      return "one answer a frame";
+    case Rule::kHeader:
+      return "header passed on";
+    case Rule::kWhole:
+      return "LEFT, RIGHT and TOF of every frame, once";
+    case Rule::kSameHeader:
+      return "one header on all three";
+    case Rule::kRising:
+      return "utime rises, seq by one";
+    case Rule::kCalibration:
+      return "RIG before the frames, and again";
+    case Rule::kForm:
+      return "type, size and encoding";
+    case Rule::kValues:
+      return "values in range";
+    case Rule::kRepeatable:
+      return "same frame, same answer";
+    case Rule::kDegenerate:
+      return "poor frames answered";
+    case Rule::kBadMessages:
+      return "bad messages survived";
+    case Rule::kChannels:
+      return "keeps to its channels";
+    case Rule::kEnd:
+      return "ends on SIGTERM";
+  }
+  return "";
+}
 
 bool InImage(float u, float v, cv::Size size) {
   // Up to half a pixel outside the first and last pixel centres.
@@ -95,6 +134,32 @@ std::string CompareMaps(std::span<const PartValue> answers, std::span<const Part
 }
 
 }  // namespace
+
+void Findings::Add(Rule rule, const std::string& text) {
+  Found& found = found_[rule];
+  if (found.count++ == 0) found.first = text;
+}
+
+bool Findings::empty() const {
+  return std::all_of(found_.begin(), found_.end(),
+                     [](const auto& entry) { return entry.second.count == 0; });
+}
+
+void Findings::Print(std::span<const Rule> rules, std::ostream& out) const {
+  for (const Rule rule : rules) {
+    const std::string_view text = TextOf(rule);
+    const auto found = found_.find(rule);
+    if (found == found_.end()) {
+      out << "-      " << text << ": not checked\n";
+    } else if (found->second.count == 0) {
+      out << "ok     " << text << "\n";
+    } else {
+      out << "WRONG  " << text << ": " << found->second.first;
+      if (found->second.count > 1) out << " (and " << found->second.count - 1 << " more)";
+      out << "\n";
+    }
+  }
+}
 
 StageContract ContractOf(const std::string& stage) {
   if (stage == "refine") {

@@ -1,17 +1,59 @@
 #ifndef SPROUT_SERVICES_TOOLS_CHECK_CONTRACT_H_
 #define SPROUT_SERVICES_TOOLS_CHECK_CONTRACT_H_
 
+#include <iosfwd>
+#include <map>
 #include <opencv2/core/types.hpp>
-#include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/core/frame.h"
-#include "services/tools/check/findings.h"
 
 namespace sprout::check {
+
+/// Rules for a program that replaces a stage or capture, in the order in which they are printed.
+/// Their texts are in contract.cc.
+enum class Rule {
+  kStart,
+  kSends,
+  kOneAnswer,
+  kHeader,
+  kWhole,
+  kSameHeader,
+  kRising,
+  kCalibration,
+  kForm,
+  kValues,
+  kRepeatable,
+  kDegenerate,
+  kBadMessages,
+  kChannels,
+  kEnd,
+};
+
+/// Findings about a program, by rule.
+class Findings {
+ public:
+  /// The first of a rule is printed, the others are counted.
+  void Add(Rule rule, const std::string& text);
+
+  /// Marks a rule as checked; other rules are unknown.
+  void Checked(Rule rule) { found_[rule]; }
+
+  bool empty() const;
+
+  /// One line for each of `rules`: "ok", "WRONG" with the first finding, or "not checked".
+  void Print(std::span<const Rule> rules, std::ostream& out) const;
+
+ private:
+  struct Found {
+    std::string first;
+    int count = 0;
+  };
+
+  std::map<Rule, Found> found_;
+};
 
 /// The rules that are checked for a stage.
 inline constexpr Rule kStageRules[] = {

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "common/bus/channels.h"
-#include "services/tools/check/program_check.h"
 
 namespace sprout::check {
 namespace {

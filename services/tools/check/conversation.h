@@ -11,10 +11,8 @@
 
 #include "common/app/process.h"
 #include "common/messages/codec.h"
-#include "services/tools/check/bad_messages.h"
-#include "services/tools/check/bus_connection.h"
 #include "services/tools/check/contract.h"
-#include "services/tools/check/findings.h"
+#include "services/tools/check/program_check.h"
 #include "services/tools/check/test_frames.h"
 
 namespace sprout::check {

@@ -5,7 +5,6 @@
 #include "common/bus/lcm_url.h"
 #include "common/config/config_error.h"
 #include "common/logfile/log_error.h"
-#include "services/tools/check/capture_check.h"
 #include "services/tools/check/stage_check.h"
 
 namespace sprout::check {

@@ -23,6 +23,12 @@ struct StageCheckOptions {
 /// @throws ConfigError for an unknown stage or a log without its frames; LogError; BusError.
 int CheckStage(const StageCheckOptions& options, std::ostream& out);
 
+/// Starts a capture process, receives its messages for some seconds, ends it, and prints the
+/// findings. Needs no log.
+/// @returns exit code: 0; 1 when something is wrong with the program.
+/// @throws ConfigError when it cannot be started; BusError.
+int CheckCapture(const StageCheckOptions& options, std::ostream& out);
+
 }  // namespace sprout::check
 
 #endif  // SPROUT_SERVICES_TOOLS_CHECK_STAGE_CHECK_H_

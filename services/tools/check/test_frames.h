@@ -1,7 +1,9 @@
 #ifndef SPROUT_SERVICES_TOOLS_CHECK_TEST_FRAMES_H_
 #define SPROUT_SERVICES_TOOLS_CHECK_TEST_FRAMES_H_
 
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -30,6 +32,17 @@ std::vector<TestFrame> ReadTestFrames(const std::filesystem::path& log,
 /// Degenerate frames, made from a good one: no ToF return, too few seeds, seeds on a line, black
 /// images, sizes that contradict each other.
 std::vector<TestFrame> DegenerateFrames(const TestFrame& good);
+
+/// A way to corrupt a valid message, such that every program must refuse it.
+struct Corruption {
+  std::string name;  ///< "width = -1"
+  /// Takes bytes of EncodePart(), with maps as RAW_INT16.
+  std::function<std::vector<uint8_t>(std::vector<uint8_t> good)> apply;
+};
+
+/// Ways to corrupt the message of a part: cut short, of another type, random bytes, counts and
+/// sizes that do not fit, NaN and infinities. Always the same ones.
+std::vector<Corruption> CorruptionsOf(Part part);
 
 }  // namespace sprout::check
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "common/picture/chart.h"
+#include "common/picture/html.h"
 
 namespace sprout::evaluate {
 namespace {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "common/config/config_error.h"
+#include "services/tools/evaluate/scene.h"
 #include "services/tools/evaluate/tables.h"
-#include "services/tools/evaluate/visibility.h"
 
 namespace sprout::evaluate {
 namespace {

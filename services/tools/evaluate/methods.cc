@@ -1,10 +1,9 @@
-#include "services/tools/evaluate/methods.h"
-
 #include <algorithm>
 #include <chrono>
 #include <iterator>
 #include <utility>
 
+#include "services/tools/evaluate/evaluate.h"
 #include "services/tools/evaluate/rivals/harris_seeds.h"
 #include "services/tools/evaluate/rivals/rival.h"
 

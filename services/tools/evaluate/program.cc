@@ -17,8 +17,6 @@
 #include "common/app/version.h"
 #include "common/inputs/check_inputs.h"
 #include "services/tools/evaluate/confidence_diagram.h"
-#include "services/tools/evaluate/log_evaluation.h"
-#include "services/tools/evaluate/result_files.h"
 #include "services/tools/evaluate/rig_error.h"
 #include "services/tools/evaluate/run_pictures.h"
 #include "services/tools/evaluate/tables.h"

@@ -7,7 +7,6 @@
 #include "common/core/image.h"
 #include "common/core/number_text.h"
 #include "common/rig/rectifier.h"
-#include "services/tools/calibrate/scene/rectify_again.h"
 #include "services/tools/calibrate/scene/scene_refiner.h"
 
 namespace sprout::evaluate {

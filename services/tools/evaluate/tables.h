@@ -23,6 +23,20 @@ std::string SceneTable(const SceneResult& scene, bool is_wide = false);
 /// @returns nothing when none is left.
 std::string PaperTable(std::vector<SceneResult> scenes);
 
+/// Settings and results of a run.
+struct RunResult {
+  std::string preset;  ///< names of the configuration files, joined by '+'
+  std::string tof;     ///< --tof
+  std::vector<SceneResult> scenes;
+};
+
+// Both depend on the run's input only, except for the times, which are under "ms" and in columns
+// that end in _ms. Shares are per cent; an undefined value (the mean error of an empty map) is null
+// or an empty field. See README.md for the layout.
+
+std::string ToJson(const RunResult& run);
+std::string ToCsv(const RunResult& run);
+
 }  // namespace sprout::evaluate
 
 #endif  // SPROUT_SERVICES_TOOLS_EVALUATE_TABLES_H_

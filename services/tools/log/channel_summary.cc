@@ -4,14 +4,18 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 
+#include "common/config/config_difference.h"
+#include "common/messages/codec.h"
 #include "common/messages/message_type.h"
-#include "common/messages/planar_lidar.h"
 #include "common/messages/preview.h"
-#include "services/tools/log/channels.h"
 
 namespace sprout::log {
 namespace {
+
+constexpr size_t kRecentFrames = 64;  // as far back a frame may come again
+constexpr size_t kShownGaps = 10;
 
 std::string TypeText(std::span<const uint8_t> bytes) {
   if (const auto type = TypeOf(bytes)) return NameOf(*type);
@@ -38,6 +42,43 @@ Result<FrameId> Check(const LogEvent& event, const std::optional<MessageType>& t
 }
 
 }  // namespace
+
+std::optional<int64_t> Sequence::last() const {
+  return newest_ ? std::optional(newest_->seq) : std::nullopt;
+}
+
+void Sequence::Add(const FrameId& id) {
+  if (std::find(recent_.begin(), recent_.end(), id) != recent_.end()) {
+    ++repeated_;
+    return;
+  }
+  recent_.push_back(id);
+  if (recent_.size() > kRecentFrames) recent_.pop_front();
+  if (!first_) first_ = id.seq;
+  if (newest_ && id.seq - 1 > newest_->seq) {
+    const Gap gap{newest_->seq + 1, id.seq - 1};
+    // A damaged number can be anything; the sum must not overflow.
+    if (__builtin_add_overflow(missing_, gap.last - gap.first + 1, &missing_)) {
+      missing_ = std::numeric_limits<int64_t>::max();
+    }
+    ++gap_count_;
+    if (gaps_.size() < kShownGaps) gaps_.push_back(gap);
+  } else if (newest_ && id.seq <= newest_->seq) {
+    if (id.utime <= newest_->utime) return;  // late; not the newest
+    ++restarts_;
+  }
+  newest_ = id;
+}
+
+std::string Sequence::GapText() const {
+  std::string text;
+  for (const Gap& gap : gaps_) {
+    if (!text.empty()) text += ", ";
+    text += std::to_string(gap.first);
+    if (gap.last > gap.first) text += "-" + std::to_string(gap.last);
+  }
+  return gap_count_ > static_cast<int64_t>(gaps_.size()) ? text + ", ..." : text;
+}
 
 std::string WhyUndecodable(const LogEvent& event) {
   const auto checked = Check(event, TypeOf(event.data));
@@ -73,6 +114,38 @@ double ChannelSummary::rate_hz() const {
       (static_cast<double>(last_utime_) - static_cast<double>(first_utime_)) / 1e6;
   return seconds > 0 ? static_cast<double>(events_ - 1) / seconds
                      : std::numeric_limits<double>::quiet_NaN();
+}
+
+void ProcessSummary::Add(std::span<const uint8_t> bytes) {
+  Result<ProcessInfo> info = DecodeProcessInfo(bytes);
+  if (!info || processes_.size() == kMost) return;
+  if (std::ranges::find(processes_, *info) != processes_.end()) return;
+  processes_.push_back(*std::move(info));
+}
+
+const ProcessInfo* ProcessSummary::NewestOf(const std::string& stage) const {
+  const auto found = std::find_if(processes_.rbegin(), processes_.rend(),
+                                  [&](const ProcessInfo& info) { return info.stage == stage; });
+  return found == processes_.rend() ? nullptr : &*found;
+}
+
+std::string ConfigDiffText(const ProcessSummary& a, const ProcessSummary& b) {
+  std::set<std::string> stages;
+  for (const ProcessInfo& info : a.processes()) stages.insert(info.stage);
+  std::string text;
+  for (const std::string& stage : stages) {
+    const ProcessInfo& in_a = *a.NewestOf(stage);
+    const ProcessInfo* const in_b = b.NewestOf(stage);
+    if (in_b == nullptr) continue;
+    if (in_a.version != in_b->version) {
+      text += fmt::format("{}: version {} in A, {} in B\n", stage, in_a.version, in_b->version);
+    }
+    for (const auto& [key, value_a, value_b] :
+         ConfigDifferences(in_a.config_text, in_b->config_text)) {
+      text += fmt::format("{}: {} = {} in A, {} in B\n", stage, key, value_a, value_b);
+    }
+  }
+  return text;
 }
 
 }  // namespace sprout::log

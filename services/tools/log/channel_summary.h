@@ -2,12 +2,48 @@
 #define SPROUT_SERVICES_TOOLS_LOG_CHANNEL_SUMMARY_H_
 
 #include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
+#include "common/core/frame_id.h"
+#include "common/core/process_info.h"
 #include "common/logfile/log_reader.h"
-#include "services/tools/log/sequence.h"
 
 namespace sprout::log {
+
+/// Follows the frame numbers on one channel.
+class Sequence {
+ public:
+  /// Frames first to last.
+  struct Gap {
+    int64_t first = 0;
+    int64_t last = 0;
+  };
+
+  void Add(const FrameId& id);
+
+  std::optional<int64_t> first() const { return first_; }  ///< number of the first frame
+  std::optional<int64_t> last() const;                     ///< number of the newest frame
+  int64_t missing() const { return missing_; }             ///< missing frame numbers
+  int64_t repeated() const { return repeated_; }           ///< repeated frames
+  int64_t restarts() const { return restarts_; }           ///< of capture, with smaller numbers
+
+  /// The first few gaps as text: "7, 12-15"; "..." means others.
+  std::string GapText() const;
+
+ private:
+  std::optional<int64_t> first_;
+  std::optional<FrameId> newest_;
+  std::deque<FrameId> recent_;
+  std::vector<Gap> gaps_;  // the first few
+  int64_t gap_count_ = 0;
+  int64_t missing_ = 0;
+  int64_t repeated_ = 0;
+  int64_t restarts_ = 0;
+};
 
 /// Summary of one channel of a log.
 class ChannelSummary {
@@ -46,6 +82,29 @@ class ChannelSummary {
 /// Why services would refuse a message: it is damaged, or of the wrong type for its channel. Empty
 /// when it is valid or not of Sprout's types.
 std::string WhyUndecodable(const LogEvent& event);
+
+/// The processes in a log (SPROUT_PROCESS), each listed once although it sends the message every
+/// few seconds.
+class ProcessSummary {
+ public:
+  /// Takes a message; undecodable and repeated ones are ignored.
+  void Add(std::span<const uint8_t> bytes);
+
+  /// The processes in the order in which they came; at most kMost.
+  const std::vector<ProcessInfo>& processes() const { return processes_; }
+
+  /// The newest process of a stage; null when there is none.
+  const ProcessInfo* NewestOf(const std::string& stage) const;
+
+  static constexpr size_t kMost = 100;
+
+ private:
+  std::vector<ProcessInfo> processes_;
+};
+
+/// A line for each key that differs between the newest processes of a stage in two logs, and for
+/// different versions; empty when all are equal.
+std::string ConfigDiffText(const ProcessSummary& a, const ProcessSummary& b);
 
 }  // namespace sprout::log
 

@@ -8,8 +8,6 @@
 
 #include "common/logfile/event_fetcher.h"
 #include "services/tools/log/commands.h"
-#include "services/tools/log/damage_text.h"
-#include "services/tools/log/difference_pictures.h"
 #include "services/tools/log/event_stream.h"
 #include "services/tools/log/message_diff.h"
 #include "services/tools/log/read_progress.h"

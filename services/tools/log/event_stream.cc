@@ -1,5 +1,7 @@
 #include "services/tools/log/event_stream.h"
 
+#include <utility>
+
 #include "common/core/digest.h"
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"
@@ -22,6 +24,15 @@ bool IsChatter(const LogEvent& event) {
 }
 
 }  // namespace
+
+ChannelFilter::ChannelFilter(const std::vector<std::string>& names, std::string prefix)
+    : prefix_(std::move(prefix)) {
+  for (const std::string& name : names) names_.insert(prefix_ + name);
+}
+
+bool ChannelFilter::Has(std::string_view channel) const {
+  return names_.empty() ? channel.starts_with(prefix_) : names_.contains(channel);
+}
 
 EventStream::EventStream(const std::filesystem::path& path, const ChannelFilter& filter)
     : reader_(path), filter_(filter) {}

@@ -5,14 +5,31 @@
 #include <cstdint>
 #include <deque>
 #include <map>
-#include <optional>
+#include <set>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "common/logfile/log_reader.h"
-#include "services/tools/log/channels.h"
-#include "services/tools/log/process_summary.h"
+#include "services/tools/log/channel_summary.h"
 
 namespace sprout::log {
+
+/// The channels that a subcommand reads: those named, or all whose name begins with the prefix.
+class ChannelFilter {
+ public:
+  /// @param names  without prefix; none: all.
+  ChannelFilter(const std::vector<std::string>& names, std::string prefix);
+
+  bool Has(std::string_view channel) const;
+
+  const std::string& prefix() const { return prefix_; }
+  const std::set<std::string, std::less<>>& names() const { return names_; }  ///< with prefix
+
+ private:
+  std::set<std::string, std::less<>> names_;
+  std::string prefix_;
+};
 
 /// Key by which events of two logs are matched.
 struct EventKey {

@@ -8,13 +8,11 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "common/app/board_text.h"
+#include "common/app/status_board.h"
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"
 #include "services/tools/log/channel_summary.h"
 #include "services/tools/log/commands.h"
-#include "services/tools/log/damage_text.h"
-#include "services/tools/log/process_summary.h"
 #include "services/tools/log/read_progress.h"
 
 namespace sprout::log {

@@ -9,7 +9,6 @@
 #include "common/config/config_error.h"
 #include "common/frames/log_frames.h"
 #include "common/logfile/log_error.h"
-#include "services/tools/log/damage_text.h"
 #include "services/tools/log/read_progress.h"
 
 namespace sprout::log {

@@ -16,7 +16,6 @@
 #include "common/logfile/log_writer.h"
 #include "common/messages/message_type.h"
 #include "services/tools/log/commands.h"
-#include "services/tools/log/damage_text.h"
 #include "services/tools/log/read_progress.h"
 
 namespace sprout::log {

@@ -9,10 +9,10 @@
 #include "common/app/program.h"
 #include "common/app/version.h"
 #include "common/config/config_error.h"
+#include "common/core/signal_watcher.h"
 #include "common/logfile/log_error.h"
 #include "common/measure/frame_quality.h"
 #include "services/tools/log/commands.h"
-#include "services/tools/log/read_progress.h"
 
 namespace sprout::log {
 namespace {

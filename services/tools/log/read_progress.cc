@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <iostream>
 #include <utility>
 
 namespace sprout::log {
@@ -23,6 +24,24 @@ void ReadProgress::Update(int64_t position) {
   line_.Show(fmt::format("{}: {} % of {:.1f} GB", what_,
                          100 * position / std::max<int64_t>(bytes_, 1),
                          static_cast<double>(bytes_) / 1e9));
+}
+
+std::string DamageText(const LogDamage& damage) {
+  std::string text = fmt::format("bytes {}-{} ({}): ", damage.offset,
+                                 damage.offset + damage.bytes - 1, damage.bytes);
+  if (damage.tail) return text + "torn tail, the file ends inside an event";
+  if (!damage.events) return text + "an unknown number of events lost";
+  return text + fmt::format("{} event{} lost", *damage.events, *damage.events == 1 ? "" : "s");
+}
+
+void WarnOfDamage(const std::filesystem::path& path, const std::vector<LogDamage>& damage) {
+  if (damage.empty()) return;
+  int64_t bytes = 0;
+  for (const LogDamage& stretch : damage) bytes += stretch.bytes;
+  std::cerr << fmt::format(
+      "sprout-log: {} is damaged in {} place{}, {} bytes were skipped; see "
+      "sprout-log info\n",
+      path.string(), damage.size(), damage.size() == 1 ? "" : "s", bytes);
 }
 
 }  // namespace sprout::log

@@ -3,10 +3,13 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include "common/app/progress.h"
-#include "common/core/interrupt.h"
+#include "common/core/signal_watcher.h"
+#include "common/logfile/log_reader.h"
 
 namespace sprout::log {
 
@@ -31,6 +34,12 @@ class ReadProgress {
   Interrupt interrupt_;
   Progress line_{/*quiet=*/false};
 };
+
+/// One line for a stretch of damage: "bytes 100-163 (64): 1 event lost".
+std::string DamageText(const LogDamage& damage);
+
+/// Warns on stderr, in one line, when a log was damaged: for subcommands that continue.
+void WarnOfDamage(const std::filesystem::path& path, const std::vector<LogDamage>& damage);
 
 }  // namespace sprout::log
 

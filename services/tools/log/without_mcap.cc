@@ -1,4 +1,4 @@
-// In the place of mcap_export.cc and mcap_info.cc where ROS 2 and MCAP are left out.
+// In the place of mcap.cc where ROS 2 and MCAP are left out.
 #include "common/config/left_out.h"
 #include "services/tools/log/commands.h"
 

@@ -1,6 +1,5 @@
 #include "services/tools/quality/program.h"
 
-#include <fmt/core.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -18,8 +17,6 @@
 #include "common/core/number_text.h"
 #include "common/logfile/log_error.h"
 #include "common/picture/write_image.h"
-#include "services/tools/quality/limits.h"
-#include "services/tools/quality/pictures.h"
 #include "services/tools/quality/report.h"
 #include "services/tools/quality/sources.h"
 #include "services/tools/quality/verdict.h"

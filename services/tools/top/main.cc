@@ -3,9 +3,9 @@
 #include <iostream>
 #include <mutex>
 
-#include "common/app/board_text.h"
 #include "common/app/log.h"
 #include "common/app/service.h"
+#include "common/app/status_board.h"
 #include "common/bus/channels.h"
 #include "common/bus/receiver.h"
 #include "common/core/sleep.h"

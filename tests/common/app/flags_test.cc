@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "common/app/nearest_name.h"
+#include "common/app/help_text.h"
 #include "common/config/config_error.h"
 
 namespace sprout {

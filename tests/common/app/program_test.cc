@@ -7,11 +7,9 @@
 
 #include <fstream>
 #include <new>
-#include <sstream>
 #include <system_error>
 
 #include "common/app/help_text.h"
-#include "common/app/limits_text.h"
 
 namespace sprout {
 namespace {

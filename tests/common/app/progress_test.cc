@@ -1,14 +1,11 @@
 #include "common/app/progress.h"
 
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <pty.h>
 #include <unistd.h>
 
-#include <chrono>
-#include <iostream>
 #include <string>
 
 namespace sprout {

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/app/duplicate_watch.h"
 #include "tests/common/app/captured_log.h"
 
 namespace sprout {

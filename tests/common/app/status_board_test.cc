@@ -5,8 +5,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/app/board_text.h"
-
 namespace sprout {
 namespace {
 

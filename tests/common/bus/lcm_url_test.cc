@@ -1,7 +1,10 @@
 #include "common/bus/lcm_url.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
+
+#include <set>
+
+#include "common/bus/channels.h"
 
 namespace sprout {
 namespace {
@@ -81,5 +84,23 @@ TEST(OpenLcm, SaysWhenNoServerAnswers) {
               HasSubstr("cannot open LCM URL tcpq://127.0.0.1:1; is its server"));
 }
 
+TEST(Channels, HaveANameOfTheirOwnForEachPart) {
+  std::set<std::string_view> names = {kStatusChannel, kProcessChannel, kRigChangeChannel};
+  for (const Part part : kAllParts) {
+    EXPECT_TRUE(ChannelOf(part).starts_with("SPROUT_"));
+    EXPECT_TRUE(names.insert(ChannelOf(part)).second) << ChannelOf(part);
+  }
+}
+
+TEST(Channels, FitIntoLcmsLimitWithTheLongestPrefix) {
+  for (const Part part : kAllParts) {
+    EXPECT_LE(kMaxChannelPrefix + ChannelOf(part).size(), 63U);
+  }
+  EXPECT_LE(kMaxChannelPrefix + kStatusChannel.size(), 63U);
+  EXPECT_LE(kMaxChannelPrefix + kProcessChannel.size(), 63U);
+  EXPECT_LE(kMaxChannelPrefix + kRigChangeChannel.size(), 63U);
+}
+
 }  // namespace
+
 }  // namespace sprout

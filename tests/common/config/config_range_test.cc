@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "common/config/config.h"
+#include "tests/common/picture/temporary_directory.h"
 
 // Walks every field of the configuration by reflection, so that a new field is tested too.
 namespace sprout {
@@ -132,8 +133,8 @@ TEST(ConfigRange, RefusesWhatIsOutsideAndNamesKeyValueAndRange) {
 }
 
 TEST(ConfigRange, IsCheckedWhenAFileIsLoaded) {
-  const auto path = std::filesystem::temp_directory_path() /
-                    ("sprout_range_" + std::to_string(getpid()) + ".textproto");
+  const TemporaryDirectory folder;
+  const std::filesystem::path path = folder / "range.textproto";
   for (const RangedField& ranged : RangedFields()) {
     for (const double value : {ranged.allowed.min() - 1, ranged.allowed.max() + 1}) {
       std::ofstream(path) << ConfigText(DefaultsWith(ranged, value));
@@ -147,7 +148,6 @@ TEST(ConfigRange, IsCheckedWhenAFileIsLoaded) {
   }
   std::ofstream(path) << "capture { sr4000 { view_margin: nan } }";
   EXPECT_THROW(LoadConfig({path.string()}), ConfigError);
-  std::filesystem::remove(path);
 }
 
 TEST(ConfigRange, OfAPartIsNamedWithThePrefix) {
@@ -162,15 +162,14 @@ TEST(ConfigRange, OfAPartIsNamedWithThePrefix) {
 }
 
 TEST(ConfigText, LoadsAgainToTheSameText) {
-  const auto path = std::filesystem::temp_directory_path() /
-                    ("sprout_text_" + std::to_string(getpid()) + ".textproto");
+  const TemporaryDirectory folder;
+  const std::filesystem::path path = folder / "text.textproto";
   for (const std::vector<std::string>& files :
        {std::vector<std::string>{}, {"default"}, {"paper"}}) {
     const std::string text = ConfigText(LoadConfig(files));
     std::ofstream(path) << text;
     EXPECT_EQ(ConfigText(LoadConfig({path.string()})), text);
   }
-  std::filesystem::remove(path);
 }
 
 TEST(ConfigText, ShowsEveryFieldExplicitly) {

@@ -1,10 +1,15 @@
 #include "common/config/config.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
+
+#include "common/config/config_difference.h"
+#include "common/config/config_error.h"
+#include "common/config/frame_range.h"
+#include "common/config/left_out.h"
+#include "tests/common/picture/temporary_directory.h"
 
 namespace sprout {
 namespace {
@@ -15,13 +20,6 @@ using ::testing::Not;
 
 class ConfigFiles : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string folder = (std::filesystem::temp_directory_path() / "sprout_XXXXXX").string();
-    ASSERT_NE(mkdtemp(folder.data()), nullptr);
-    folder_ = folder;
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   std::string Write(const std::string& name, const std::string& text) const {
     const std::string path = folder_ / name;
     std::ofstream(path) << text;
@@ -38,7 +36,7 @@ class ConfigFiles : public ::testing::Test {
     return "";
   }
 
-  std::filesystem::path folder_;
+  const TemporaryDirectory folder_;
 };
 
 std::vector<std::string> ShippedPresets() {
@@ -141,7 +139,8 @@ TEST_F(ConfigFiles, NamesTheOffendingFileOfSeveral) {
 
 TEST_F(ConfigFiles, ListsThePresetsWhenAFileCannotBeRead) {
   const std::string missing = folder_ / "missing.textproto";
-  for (const std::string& file : {missing, folder_.string(), std::string("no_such_preset")}) {
+  for (const std::string& file :
+       {missing, folder_.path().string(), std::string("no_such_preset")}) {
     const std::string error = ErrorOf({file});
     EXPECT_THAT(error, HasSubstr(file));
     EXPECT_THAT(error, HasSubstr("cannot be read"));
@@ -160,5 +159,67 @@ TEST_F(ConfigFiles, ReadsNothingButRegularFilesOfAMegabyte) {
               HasSubstr("more.textproto: cannot be read (larger than 1 MiB); allowed: "));
 }
 
+TEST(FrameRange, IsReadWithBothEndsIncluded) {
+  EXPECT_EQ(ParseFrameRange("--frames", "3:7"), (FrameRange{3, 7}));
+  EXPECT_EQ(ParseFrameRange("--frames", "5"), (FrameRange{5, 5}));
+  EXPECT_EQ(ParseFrameRange("--frames", "5:"), (FrameRange{5, FrameRange().last}));
+  EXPECT_EQ(ParseFrameRange("--frames", ":5"), (FrameRange{0, 5}));
+  EXPECT_EQ(ParseFrameRange("--frames", ":"), FrameRange());
+  EXPECT_TRUE((FrameRange{3, 7}).Has(3));
+  EXPECT_TRUE((FrameRange{3, 7}).Has(7));
+  EXPECT_FALSE((FrameRange{3, 7}).Has(2));
+  EXPECT_FALSE((FrameRange{3, 7}).Has(8));
+}
+
+TEST(FrameRange, RefusesOtherTexts) {
+  for (const char* text :
+       {"", "a", "3:b", "7:3", "-1", "-1:2", "1:2:3", "1-2", " 1", "99999999999999999999"}) {
+    EXPECT_THROW(ParseFrameRange("--frames", text), ConfigError) << text;
+  }
+}
+
+TEST(LeftOut, SaysWhatIsMissingAndHowToGetIt) {
+  EXPECT_STREQ(LeftOut("--mcap", "ROS2").what(),
+               "--mcap: built without ROS 2 and MCAP; -DSPROUT_ROS2=ON needs cyclonedds-dev "
+               "cyclonedds-tools liblz4-dev libyaml-cpp-dev");
+  EXPECT_THAT(LeftOut("sprout: view", "VIEW").what(),
+              testing::StartsWith("sprout: view: built without the page in a browser; "));
+}
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+TEST(ConfigDifferences, AreNoneBetweenEqualConfigurations) {
+  const std::string text = ConfigText(LoadConfig({"default"}));
+  EXPECT_THAT(ConfigDifferences(text, text), IsEmpty());
+}
+
+TEST(ConfigDifferences, NameKeysAndValues) {
+  SproutConfig config = LoadConfig({"default"});
+  const std::string before = ConfigText(config);
+  config.mutable_grow()->set_sigma_p_px(2);
+  config.mutable_capture()->set_source("log:run: 7 {.lcm");
+  const auto differences = ConfigDifferences(before, ConfigText(config));
+  ASSERT_EQ(differences.size(), 2U);
+  EXPECT_EQ(differences[0].key, "capture.source");
+  EXPECT_EQ(differences[0].b, "\"log:run: 7 {.lcm\"");
+  EXPECT_EQ(differences[1], (ConfigDifference{"grow.sigma_p_px", "0.8", "2"}));
+}
+
+TEST(ConfigDifferences, CompareWhatOtherVersionsPrinted) {
+  EXPECT_THAT(ConfigDifferences("grow {\n  old: 1\n  mode: GONE\n}\n",
+                                "grow {\n  mode: NEW\n  part {\n    new: 2\n  }\n}\ntop: 3\n"),
+              ElementsAre(ConfigDifference{"grow.mode", "GONE", "NEW"},
+                          ConfigDifference{"grow.old", "1", "none"},
+                          ConfigDifference{"grow.part.new", "none", "2"},
+                          ConfigDifference{"top", "none", "3"}));
+}
+
+TEST(ConfigDifferences, SurviveAnyText) {
+  EXPECT_THAT(ConfigDifferences("}\n}\n{ {\n: \n  \n", ""), ElementsAre());
+  EXPECT_THAT(ConfigDifferences("a: 1", "a: 1\n"), IsEmpty());
+}
+
 }  // namespace
+
 }  // namespace sprout

@@ -1,8 +1,7 @@
-#include "common/frames/whole_frames.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/frames/log_frames.h"
 #include "common/logfile/event_fetcher.h"
 #include "tests/common/app/log_files.h"
 #include "tests/common/picture/temporary_directory.h"

@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <lcm/lcm.h>
 
-#include <cstdio>
-
 #include "common/logfile/event_fetcher.h"
 #include "tests/common/logfile/sample_log.h"
 

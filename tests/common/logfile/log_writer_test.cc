@@ -2,9 +2,6 @@
 
 #include <gmock/gmock.h>
 #include <lcm/lcm.h>
-#include <sys/resource.h>
-
-#include <csignal>
 
 #include "tests/common/logfile/sample_log.h"
 

@@ -8,7 +8,6 @@
 #include <iterator>
 #include <ostream>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/logfile/log_reader.h"

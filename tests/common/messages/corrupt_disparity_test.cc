@@ -5,7 +5,6 @@
 #include <functional>
 #include <random>
 
-#include "common/messages/disparity_codec.h"
 #include "tests/common/messages/examples.h"
 #include "tests/common/testing/allocation_guard.h"
 

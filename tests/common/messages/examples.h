@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>

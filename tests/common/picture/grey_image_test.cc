@@ -1,13 +1,16 @@
 // Whatever shows a camera image shows a grey one as it shows the same picture in colours.
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
+#include <cmath>
 #include <fstream>
 #include <functional>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <vector>
 
 #include "common/core/image.h"
-#include "common/picture/cloud_view.h"
+#include "common/picture/frame_pictures.h"
+#include "common/picture/html.h"
 #include "common/picture/picture.h"
 #include "common/picture/write_image.h"
 #include "common/picture/write_ply.h"
@@ -110,5 +113,63 @@ TEST(GreyImage, ReadsBackUnchangedFromPng) {
   }
 }
 
+TEST(Html, ShowsTextAsItIs) {
+  EXPECT_EQ(EscapedHtml("a < b && c > \"d\""), "a &lt; b &amp;&amp; c &gt; &quot;d&quot;");
+  EXPECT_EQ(EscapedHtml(""), "");
+}
+
+// RFC 4648, section 10.
+TEST(Html, HasBytesOfAnyNumberInAUrl) {
+  const auto url = [](const std::string& text) {
+    const std::vector<uint8_t> bytes(text.begin(), text.end());
+    return DataUrl("image/png", bytes);
+  };
+  EXPECT_EQ(url(""), "data:image/png;base64,");
+  EXPECT_EQ(url("f"), "data:image/png;base64,Zg==");
+  EXPECT_EQ(url("fo"), "data:image/png;base64,Zm8=");
+  EXPECT_EQ(url("foo"), "data:image/png;base64,Zm9v");
+  EXPECT_EQ(url("foobar"), "data:image/png;base64,Zm9vYmFy");
+}
+
+TEST(Html, TablesEscapeTheirTexts) {
+  EXPECT_EQ(TableHtml({{"a", "b"}, {"<1>", "2"}}),
+            "<table>\n<tr><th>a</th><th>b</th></tr>\n<tr><td>&lt;1&gt;</td><td>2</td></tr>\n"
+            "</table>\n");
+}
+
+TEST(Html, FiguresHaveTheirPictureInside) {
+  const std::string html = FigureHtml(cv::Mat3b(2, 3, cv::Vec3b()), "<b>black</b>");
+  EXPECT_EQ(html.find("<figure><img alt=\"\" src=\"data:image/png;base64,iVBORw0KGgo"), 0);
+  EXPECT_NE(html.find("<figcaption><b>black</b></figcaption>"), std::string::npos);
+}
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST(Chart, EscapeTextAndLeaveOutWhatIsNotThere) {
+  EXPECT_THAT(HistogramSvg("<a&b>", {1, 2}, {}), HasSubstr("&lt;a&amp;b&gt;"));
+  EXPECT_EQ(HistogramSvg("x", {NAN}, {}), "");
+  EXPECT_THAT(HistogramSvg("x", {1, 2, 2}, {2, 3, 3}), HasSubstr("polyline"));
+  EXPECT_THAT(HistogramSvg("x", {1, 1}, {}), Not(HasSubstr("nan")));
+}
+
+TEST(Chart, DrawsLinesBetweenTheAxesAndLeavesOutWhatIsNotThere) {
+  const LinePlot plot = {.title = "a<b",
+                         .along = "x",
+                         .up = "y",
+                         .right = 10,
+                         .top = 4,
+                         .lines = {{.points = {{0, 0}, {5, NAN}, {10, 8}}, .name = "one"}},
+                         .size = {100, 50}};
+  const std::string svg = PlotsSvg({{plot, plot}, {plot}});
+  EXPECT_THAT(svg, HasSubstr("points=\"56.0,106.0 156.0,56.0\""));   // the first
+  EXPECT_THAT(svg, HasSubstr("points=\"268.0,106.0 368.0,56.0\""));  // beside it
+  EXPECT_THAT(svg, HasSubstr("points=\"56.0,268.0 156.0,218.0\""));  // below it
+  EXPECT_THAT(svg, HasSubstr("width=\"424\" height=\"324\""));
+  EXPECT_THAT(svg, HasSubstr("a&lt;b"));
+  EXPECT_THAT(svg, HasSubstr(">one</text>"));
+}
+
 }  // namespace
+
 }  // namespace sprout

@@ -4,10 +4,8 @@
 
 #include <Eigen/Geometry>
 #include <array>
-#include <cstring>
 #include <fstream>
 #include <set>
-#include <sstream>
 
 #include "common/geometry/projection.h"
 #include "tests/common/picture/temporary_directory.h"

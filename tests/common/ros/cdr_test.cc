@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include <algorithm>
 #include <random>
 
 #include "common/ros/from_ros.h"

@@ -9,7 +9,6 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "common/messages/jpeg.h"
-#include "common/ros/frame_topics.h"
 #include "common/ros/from_ros.h"
 #include "tests/common/ros/ros_examples.h"
 

@@ -4,7 +4,6 @@
 #include <fstream>
 #include <memory>
 
-#include "common/ros/mcap_parts.h"
 #include "common/ros/mcap_reader.h"
 #include "common/ros/mcap_writer.h"
 #include "tests/common/logfile/sample_log.h"

@@ -1,4 +1,3 @@
-#include "common/ros/ros_environment.h"
 
 #include <gmock/gmock.h>
 

@@ -1,10 +1,8 @@
 #ifndef SPROUT_TESTS_COMMON_ROS_ROS_EXAMPLES_H_
 #define SPROUT_TESTS_COMMON_ROS_ROS_EXAMPLES_H_
 
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
 #include "common/ros/cdr.h"
 #include "common/ros/to_ros.h"

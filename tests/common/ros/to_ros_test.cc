@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "common/ros/frame_topics.h"

@@ -1,4 +1,3 @@
-#include "common/scenes/kitti_source.h"
 
 #include <gmock/gmock.h>
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "common/scenes/calib_file.h"
+#include "common/scenes/middlebury_calibration.h"
 #include "tests/common/scenes/scene_folder.h"
 
 namespace sprout::scenes {

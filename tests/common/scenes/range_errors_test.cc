@@ -1,11 +1,10 @@
-#include "common/scenes/range_errors.h"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 
 #include "common/geometry/projection.h"
-#include "common/scenes/phasor.h"
+#include "common/scenes/stray_light.h"
 #include "tests/common/scenes/kitti_folder.h"
 #include "tests/common/scenes/scene_folder.h"
 

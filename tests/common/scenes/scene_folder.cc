@@ -1,7 +1,6 @@
 #include "tests/common/scenes/scene_folder.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <bit>
 #include <cmath>
@@ -9,17 +8,6 @@
 #include <opencv2/imgcodecs.hpp>
 
 namespace sprout::scenes {
-
-SceneFolder::SceneFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "sprout-scene-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder " + name);
-  path_ = name;
-}
-
-SceneFolder::~SceneFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
 
 void SceneFolder::Write2005(cv::Size size) const {
   WriteImage("view1.png", SomePicture(size));
@@ -70,7 +58,7 @@ void SceneFolder::WritePfm(const std::string& name, const cv::Mat1f& samples,
 
 CaptureConfig SceneFolder::Config() const {
   CaptureConfig config;
-  config.set_source("middlebury:" + path_.string());
+  config.set_source("middlebury:" + path_.path().string());
   config.set_tof_grid_px(5);
   return config;
 }

@@ -6,17 +6,13 @@
 #include <string>
 
 #include "common/scenes/dataset.h"
+#include "tests/common/picture/temporary_directory.h"
 
 namespace sprout::scenes {
 
 /// A scene in a temporary folder that goes away with the object.
 class SceneFolder {
  public:
-  SceneFolder();
-  ~SceneFolder();
-  SceneFolder(const SceneFolder&) = delete;
-  SceneFolder& operator=(const SceneFolder&) = delete;
-
   /// A complete scene in the layout of 2005 and 2006: colour, disp1 with code 40 except for
   /// unknown (0) at (0, 0) and 60 at (3, 2); no disp5, no dmin.txt.
   void Write2005(cv::Size size) const;
@@ -38,7 +34,7 @@ class SceneFolder {
   std::string File(const std::string& name) const { return (path_ / name).string(); }
 
  private:
-  std::filesystem::path path_;
+  TemporaryDirectory path_;
 };
 
 /// A picture with something in every channel.

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "common/scenes/phasor.h"
-
 namespace sprout::scenes {
 namespace {
 

@@ -1,6 +1,5 @@
 // A range image for the example: every tenth pixel of a true disparity map, as depth.
 //   make_range DISPARITY.png DISPARITY_OFFSET_PX FOCAL_PX BASELINE_M RANGE.pfm
-#include <cstdlib>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>

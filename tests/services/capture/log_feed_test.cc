@@ -1,10 +1,9 @@
-#include "services/capture/log_feed.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
+#include "services/capture/source_feed.h"
 #include "tests/common/app/captured_log.h"
 #include "tests/common/app/log_files.h"
 #include "tests/common/picture/temporary_directory.h"

@@ -4,7 +4,6 @@
 #include <memory>
 #include <opencv2/core.hpp>
 
-#include "services/capture/raw_source.h"
 #include "tests/common/rig/tilted_rig.h"
 
 namespace sprout::capture {

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
-#include <filesystem>
 #include <numbers>
 
 #include "common/config/config_error.h"

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include "common/messages/jpeg.h"
-#include "common/scenes/kitti_source.h"
 #include "common/scenes/velodyne_scan.h"
 #include "tests/common/scenes/kitti_folder.h"
 #include "tests/services/capture/ros_recording.h"

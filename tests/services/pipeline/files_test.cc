@@ -11,7 +11,6 @@
 
 #include "common/core/read_text.h"
 #include "common/geometry/projection.h"
-#include "common/picture/write_image.h"
 #include "common/rig/rectifier.h"
 #include "common/rig/rig_file.h"
 #include "common/scenes/dataset.h"

@@ -9,6 +9,7 @@
 #include "common/measure/score.h"
 #include "services/pipeline/pipeline.h"
 #include "services/tools/evaluate/scene.h"
+#include "tests/common/picture/temporary_directory.h"
 
 namespace sprout {
 namespace {
@@ -38,18 +39,16 @@ struct Expected {
 // Debian's opencv-doc has it everywhere. Its truth is of whole pixels and of the left view only.
 TEST(PipelineAccuracy, HoldsOnAloe) {
   const fs::path data = "/usr/share/doc/opencv-doc/examples/data";
-  const fs::path folder = fs::temp_directory_path() / ("sprout_aloe_" + std::to_string(getpid()));
-  fs::create_directory(folder);
+  const TemporaryDirectory folder;
   fs::create_symlink(data / "aloeL.jpg", folder / "view1.jpg");
   fs::create_symlink(data / "aloeR.jpg", folder / "view5.jpg");
   fs::create_symlink(data / "aloeGT.png", folder / "disp1.png");
   std::ofstream(folder / "dmin.txt") << "270\n";
   for (const auto& [tof, percent] :
        {Expected{"grid:auto", 96.99}, {"sr4000?blind=50", 89.46}, {"none", 90.33}}) {
-    const double correct = CorrectPercent(folder.string(), tof);
+    const double correct = CorrectPercent(folder.path(), tof);
     EXPECT_GE(correct, percent - kMarginPoints) << tof;
   }
-  fs::remove_all(folder);
 }
 
 TEST(PipelineAccuracy, HoldsOnMiddlebury) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/logfile/log_reader.h"
-#include "services/record/recorded_event.h"
+#include "services/record/event_ring.h"
 
 namespace sprout::record {
 

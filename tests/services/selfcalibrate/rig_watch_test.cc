@@ -14,7 +14,7 @@
 #include "common/rig/rectifier.h"
 #include "common/scenes/dataset.h"
 #include "services/selfcalibrate/change_text.h"
-#include "services/tools/calibrate/rectify_images.h"
+#include "services/tools/calibrate/image_folder.h"
 #include "tests/services/tools/calibrate/knocked_scene.h"
 
 namespace sprout::selfcalibrate {
@@ -247,23 +247,6 @@ TEST(RigWatch, SaysThatBlackImagesShowNothing) {
   EXPECT_EQ(seen.right, SeenTurn());
   EXPECT_EQ(seen.tof, SeenTurn());
   EXPECT_EQ(seen.rows_sigma_px, -1);
-}
-
-TEST(RigWatch, SaysThatAFlatWallShowsNothing) {
-  const RawRig rig = calibrate::TrueRig({640, 480});
-  RigNumbers knock{};
-  knock[calibrate::kYaw] = 0.3 * kDegree;
-  WatchedRig watched(Changed(rig, knock));
-  std::vector<scenes::Solid> wall = scenes::SyntheticScene(0, 1).At(0);
-  wall.resize(1);
-  for (int i = 1; i < kFrames; ++i) {
-    ASSERT_TRUE(watched.Add(calibrate::RenderSolids(rig, wall, static_cast<uint32_t>(i), true)));
-  }
-  const RigChange seen = watched.SeeOne(calibrate::RenderSolids(rig, wall, 0, true));
-
-  EXPECT_EQ(seen.verdict, Verdict::kUnseen);
-  EXPECT_THAT(seen.reason, HasSubstr("too flat"));
-  EXPECT_EQ(seen.right, SeenTurn());
 }
 
 TEST(RigWatch, SaysThatFramesBeforeAndAfterAKnockContradictOneAnother) {

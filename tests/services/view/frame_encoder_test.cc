@@ -1,6 +1,5 @@
 #include "services/view/frame_encoder.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <malloc.h>
 

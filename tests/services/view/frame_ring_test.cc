@@ -1,11 +1,11 @@
 #include "services/view/frame_ring.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
 #include "common/logfile/log_reader.h"
+#include "tests/common/picture/temporary_directory.h"
 #include "tests/services/view/view_frames.h"
 
 namespace sprout::view {
@@ -114,7 +114,8 @@ TEST(FrameRing, SavesTheLastSecondsAsALogWithItsCalibration) {
     input.Add(seq, Part::kLeft, ViewImage(1));
     input.Wait(seconds(1));
   }
-  const auto path = std::filesystem::temp_directory_path() / "sprout_view_ring.lcm";
+  const TemporaryDirectory folder;
+  const std::filesystem::path path = folder / "ring.lcm";
   EXPECT_EQ(input.ring.WriteLog(path, "A_", 5), 1 + 6);
   LogReader reader(path);
   LogEvent event;
@@ -124,7 +125,6 @@ TEST(FrameRing, SavesTheLastSecondsAsALogWithItsCalibration) {
   for (; reader.Next(event); ++events) EXPECT_EQ(event.channel, "A_SPROUT_LEFT");
   EXPECT_EQ(DecodeFrameId(event.data)->seq, 19);
   EXPECT_EQ(events, 7);
-  std::filesystem::remove(path);
 }
 
 }  // namespace

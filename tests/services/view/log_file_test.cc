@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/logfile/log_writer.h"
-#include "services/view/log_quality.h"
+#include "tests/common/picture/temporary_directory.h"
 #include "tests/services/view/view_frames.h"
 
 namespace sprout::view {
@@ -21,9 +21,6 @@ using ::testing::IsEmpty;
 
 class ViewLogTest : public ::testing::Test {
  protected:
-  ViewLogTest() { std::filesystem::create_directories(folder_); }
-  ~ViewLogTest() override { std::filesystem::remove_all(folder_); }
-
   // A log of three frames; the calibration stands behind the first's left image.
   void Write(const std::string& prefix, int64_t first = 0) {
     LogWriter writer(path_);
@@ -56,8 +53,7 @@ class ViewLogTest : public ::testing::Test {
     return log;
   }
 
-  std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() / ("sprout_view_log_" + std::to_string(getpid()));
+  TemporaryDirectory folder_;
   std::filesystem::path path_ = folder_ / "run.lcm";
   StatusHistory history_{{}, /*keep_all=*/true};
   std::mutex mutex_;

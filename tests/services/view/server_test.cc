@@ -14,7 +14,6 @@
 #include <boost/beast/websocket.hpp>
 #include <chrono>
 #include <list>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
 

@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <opencv2/core.hpp>
-#include <string>
 #include <vector>
 
 #include "common/bus/channels.h"

@@ -10,7 +10,6 @@
 //   fast_peer many DOMAIN SECONDS COUNT            publishers of strings
 //   fast_peer strings DOMAIN SECONDS HZ TOPIC      strings that say they are images
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>

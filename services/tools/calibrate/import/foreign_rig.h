@@ -4,13 +4,12 @@
 #include <Eigen/Core>
 #include <filesystem>
 #include <opencv2/core.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/core/pose.h"
 #include "common/core/result.h"
-#include "common/geometry/lens_fit.h"
+#include "common/geometry/lens.h"
 #include "common/rig/raw_rig.h"
 
 namespace sprout::calibrate {
@@ -55,6 +54,35 @@ ForeignRig ReadForeignRig(const std::vector<std::filesystem::path>& files);
 /// @returns an error when it is more than kWorstFitPx off anywhere.
 Result<LensFit> ToLens(const ForeignCamera& camera);
 inline constexpr double kWorstFitPx = 0.1;
+
+/// A file, and what is in it.
+struct ForeignFile {
+  std::filesystem::path path;
+  std::string text;
+};
+
+/// Whether cv::FileStorage has written it: YAML, XML or JSON.
+bool IsOpencvFile(const ForeignFile& file);
+
+/// The pair of all entries of the files together. Entries are known by the names that OpenCV's
+/// samples, its manual, and common programs give them: M1 or cameraMatrix1 or LEFT.K, D1, R, T, or
+/// R1, P1, R2, P2 instead of R and T; image_width, image_height or imageSize.
+/// @throws ConfigError naming what is missing, with the names that are known and those there are.
+ForeignRig ReadOpencvRig(const std::vector<ForeignFile>& files);
+
+struct ImportOptions {
+  std::vector<std::filesystem::path> files;  ///< see ReadForeignRig()
+  std::filesystem::path rig;                 ///< whose devices are kept; empty: none
+  std::filesystem::path out;
+  std::string size;      ///< WxH of the images, px, where the files do not say; else empty
+  std::string unit;      ///< of lengths: "m", "cm", "mm"; empty: m, if that can be
+  bool fisheye = false;  ///< OpenCV's fisheye model, which its files do not name
+};
+
+/// The subcommand import: makes a rig file of another program's calibration, and prints it.
+/// @returns exit code 0.
+/// @throws ConfigError for what cannot be used.
+int RunImport(const ImportOptions& options);
 
 }  // namespace sprout::calibrate
 

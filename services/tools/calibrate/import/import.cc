@@ -1,5 +1,3 @@
-#include "services/tools/calibrate/import/import.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -1,5 +1,3 @@
-#include "services/tools/calibrate/import/opencv_file.h"
-
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -8,6 +6,7 @@
 #include <string_view>
 
 #include "common/config/config_error.h"
+#include "services/tools/calibrate/import/foreign_rig.h"
 
 namespace sprout::calibrate {
 namespace {

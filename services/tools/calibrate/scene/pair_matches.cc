@@ -1,7 +1,6 @@
 #include "services/tools/calibrate/scene/pair_matches.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <opencv2/features2d.hpp>

@@ -1,10 +1,7 @@
 #include "services/tools/calibrate/scene/rig_change.h"
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
-
-#include "services/tools/calibrate/scene/place_axes.h"
 
 namespace sprout::calibrate {
 namespace {
@@ -83,6 +80,20 @@ RawRig RawRigOf(const Rig& rig) {
           .tof = rig.tof.lens(),
           .left_from_tof = {.rotation = rig.tof.left_from_tof_rotation,
                             .translation_m = rig.tof.left_from_tof_translation_m}};
+}
+
+BilinearRemap RectifyAgain(const RectifiedCamera& from, const RectifiedCamera& to) {
+  cv::Mat2f places(to.pair.size());
+  const Eigen::Matrix3d back = BackOf(to.turn);
+  for (int v = 0; v < places.rows; ++v) {
+    for (int u = 0; u < places.cols; ++u) {
+      const Eigen::Vector2d raw = RawPixel(to.lens, back, to.pair, to.cx, u, v);
+      const cv::Point2d place =
+          RectifiedPixel(from.lens, from.turn, from.pair, from.cx, {raw.x(), raw.y()});
+      places(v, u) = {static_cast<float>(place.x), static_cast<float>(place.y)};
+    }
+  }
+  return {places, from.pair.size()};
 }
 
 }  // namespace sprout::calibrate

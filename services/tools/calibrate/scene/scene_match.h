@@ -6,7 +6,6 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
-#include "services/tools/calibrate/scene/rig_change.h"
 #include "services/tools/calibrate/scene/tof_patches.h"
 
 namespace sprout::calibrate {

@@ -1,7 +1,5 @@
 #include "services/tools/calibrate/scene/scene_refiner.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,8 +8,6 @@
 #include "common/core/image.h"
 #include "common/core/quantile.h"
 #include "common/geometry/projection.h"
-#include "services/tools/calibrate/scene/pair_matches.h"
-#include "services/tools/calibrate/scene/rectify_again.h"
 #include "services/tools/calibrate/scene/scene_checks.h"
 
 namespace sprout::calibrate {

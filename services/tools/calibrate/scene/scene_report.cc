@@ -1,13 +1,10 @@
-#include "services/tools/calibrate/scene/scene_report.h"
-
 #include <fmt/core.h>
 
 #include <cmath>
 #include <vector>
 
 #include "common/picture/html.h"
-#include "services/tools/calibrate/report_page.h"
-#include "services/tools/calibrate/report_pictures.h"
+#include "services/tools/calibrate/report.h"
 #include "services/tools/calibrate/scene/scene_checks.h"
 
 namespace sprout::calibrate {

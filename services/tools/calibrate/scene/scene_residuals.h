@@ -8,7 +8,7 @@
 #include <array>
 
 #include "services/tools/calibrate/rig_residuals.h"
-#include "services/tools/calibrate/scene/place_axes.h"
+#include "services/tools/calibrate/scene/rig_change.h"
 #include "services/tools/calibrate/scene/scene_match.h"
 
 namespace sprout::calibrate {

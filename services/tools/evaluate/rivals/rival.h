@@ -27,8 +27,8 @@ struct RivalInput {
   FgsSettings fgs = {};
 };
 
-/// Another method that a user might run instead of Sprout. To add one: a file in this folder with
-/// a function that returns it, declared below and listed in AllRivals().
+/// Another method that a user might run instead of Sprout. To add one: its function and its row
+/// in AllRivals(), rivals.cc.
 struct Rival {
   std::string name;     ///< of the method, for --methods
   std::string summary;  ///< one line for --help
@@ -36,12 +36,6 @@ struct Rival {
   /// @returns disparities of the left image's pixels, px, NaN = none.
   cv::Mat1f (*compute)(const RivalInput& input);
 };
-
-Rival Sgbm3Way();  ///< sgbm.cc
-Rival Sgbm5Way();  ///< sgbm.cc
-Rival Bm();        ///< bm.cc
-Rival BmWls();     ///< bm_wls.cc
-Rival Fgs();       ///< fgs.cc
 
 std::vector<Rival> AllRivals();
 

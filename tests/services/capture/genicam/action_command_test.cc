@@ -1,6 +1,6 @@
-#include "services/capture/genicam/action_command.h"
-
 #include <gmock/gmock.h>
+
+#include "services/capture/genicam/discovery.h"
 
 namespace sprout::capture {
 namespace {

@@ -1,18 +1,16 @@
 // What comes from elsewhere: names of logs, lists, results.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <fstream>
 
 #include "common/app/process.h"
+#include "common/config/config.h"
 #include "common/logfile/log_error.h"
-#include "services/tools/batch/batch_state.h"
-#include "services/tools/batch/log_list.h"
+#include "services/tools/batch/frame_table.h"
 #include "services/tools/batch/log_task.h"
-#include "services/tools/batch/names.h"
-#include "services/tools/batch/report_frames.h"
+#include "services/tools/batch/planning.h"
+#include "services/tools/batch/report.h"
 #include "services/tools/batch/result_folder.h"
-#include "services/tools/batch/table.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/services/tools/batch/error_of.h"
 #include "tests/services/tools/batch/example_manifest.h"
@@ -272,5 +270,38 @@ TEST(Tables, AreRefusedWhenTheyAreNotOfFrames) {
   EXPECT_THAT(error_of("seq,utime,left_at,x\n1,2,3,inf\n"), HasSubstr("'inf' is no finite number"));
 }
 
+std::vector<fs::path> PathsBelow(const fs::path& folder) {
+  const std::vector<std::string> logs = LogsBelow(folder);
+  return {logs.begin(), logs.end()};
+}
+
+TEST(LogsBelow, GivesLogsAndNothingElseSorted) {
+  const TemporaryDirectory folder;
+  EXPECT_THROW(LogsBelow(folder / ""), ConfigError);
+  fs::create_directories(folder / "b/c.lcm");
+  for (const char* name : {"z.lcm", "b/a.lcm", "a.lcm.part", "notes.txt", "b/c.lcm/d.lcm"}) {
+    std::ofstream(folder / name);
+  }
+  EXPECT_THAT(PathsBelow(folder / ""),
+              ElementsAre(folder / "b/a.lcm", folder / "b/c.lcm/d.lcm", folder / "z.lcm"));
+}
+
+TEST(LogsBelow, GivesALogWithSeveralNamesOnce) {
+  const TemporaryDirectory folder;
+  const TemporaryDirectory elsewhere;
+  fs::create_directory(folder / "b");
+  std::ofstream(folder / "b/target.lcm") << "x";
+  std::ofstream(elsewhere / "far.lcm") << "x";
+  std::ofstream(folder / "same_content.lcm") << "x";
+  fs::create_symlink(folder / "b/target.lcm", folder / "a_link.lcm");
+  fs::create_hard_link(folder / "b/target.lcm", folder / "second_name.lcm");
+  fs::create_symlink(elsewhere / "far.lcm", folder / "far_1.lcm");
+  fs::create_symlink(elsewhere / "far.lcm", folder / "far_2.lcm");
+  fs::create_symlink(folder / "nowhere", folder / "dangling.lcm");
+  EXPECT_THAT(PathsBelow(folder / ""), ElementsAre(folder / "b/target.lcm", folder / "far_1.lcm",
+                                                   folder / "same_content.lcm"));
+}
+
 }  // namespace
+
 }  // namespace sprout::batch

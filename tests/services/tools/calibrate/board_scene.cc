@@ -1,7 +1,6 @@
 #include "tests/services/tools/calibrate/board_scene.h"
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 

@@ -6,7 +6,7 @@
 
 #include "common/geometry/lens.h"
 #include "common/rig/rectifier.h"
-#include "services/tools/calibrate/view_collector.h"
+#include "services/tools/calibrate/coverage.h"
 #include "tests/services/tools/calibrate/board_scene.h"
 
 namespace sprout::calibrate {

@@ -9,7 +9,6 @@
 
 #include "common/config/config_error.h"
 #include "services/tools/calibrate/board_finder.h"
-#include "services/tools/calibrate/board_reader.h"
 
 namespace sprout::calibrate {
 namespace {

@@ -1,11 +1,10 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
-#include <functional>
 
 #include "common/config/config_error.h"
 #include "common/rig/rig_file.h"
-#include "services/tools/calibrate/import/import.h"
+#include "services/tools/calibrate/import/foreign_rig.h"
 #include "tests/common/picture/temporary_directory.h"
 
 namespace sprout::calibrate {

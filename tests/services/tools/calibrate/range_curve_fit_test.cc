@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "common/scenes/normal_deviate.h"
+#include "common/scenes/solid_texture.h"
 
 namespace sprout::calibrate {
 namespace {

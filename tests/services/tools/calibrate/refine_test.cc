@@ -1,4 +1,3 @@
-#include "services/tools/calibrate/refine.h"
 
 #include <gmock/gmock.h>
 
@@ -10,8 +9,8 @@
 #include "common/messages/codec.h"
 #include "common/rig/rectifier.h"
 #include "common/rig/rig_file.h"
+#include "services/tools/calibrate/image_folder.h"
 #include "services/tools/calibrate/program.h"
-#include "services/tools/calibrate/rectify_images.h"
 #include "tests/common/app/run_main.h"
 #include "tests/common/logfile/sample_log.h"
 #include "tests/services/tools/calibrate/knocked_scene.h"

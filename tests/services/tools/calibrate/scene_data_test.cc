@@ -1,7 +1,6 @@
 // Real images, which are not part of the project: prints the figures of
 // services/tools/calibrate/NOTES.md.
 
-#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,9 +12,9 @@
 
 #include "common/rig/rectifier.h"
 #include "common/scenes/dataset.h"
-#include "services/tools/calibrate/rectify_images.h"
+#include "services/tools/calibrate/image_folder.h"
+#include "services/tools/calibrate/report.h"
 #include "services/tools/calibrate/scene/scene_refiner.h"
-#include "services/tools/calibrate/scene/scene_report.h"
 #include "tests/common/rig/kitti_raw.h"
 
 namespace sprout::calibrate {

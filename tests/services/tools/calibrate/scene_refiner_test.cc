@@ -10,8 +10,8 @@
 #include "common/core/quantile.h"
 #include "common/geometry/lens.h"
 #include "common/rig/rectifier.h"
+#include "services/tools/calibrate/report.h"
 #include "services/tools/calibrate/scene/scene_checks.h"
-#include "services/tools/calibrate/scene/scene_report.h"
 #include "tests/services/tools/calibrate/knocked_scene.h"
 
 namespace sprout::calibrate {

@@ -1,7 +1,6 @@
-#include "services/tools/calibrate/view_collector.h"
-
 #include <gmock/gmock.h>
 
+#include "services/tools/calibrate/coverage.h"
 #include "tests/services/tools/calibrate/board_scene.h"
 
 namespace sprout::calibrate {

@@ -1,4 +1,3 @@
-#include "services/tools/evaluate/methods.h"
 
 #include <gmock/gmock.h>
 

@@ -1,8 +1,8 @@
-#include "services/tools/evaluate/seed_noise.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "services/tools/evaluate/chain.h"
 
 namespace sprout::evaluate {
 namespace {

@@ -1,6 +1,6 @@
-#include "services/tools/evaluate/tof_choice.h"
-
 #include <gmock/gmock.h>
+
+#include "services/tools/evaluate/scene.h"
 
 namespace sprout::evaluate {
 namespace {

@@ -7,11 +7,9 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 
-#include "common/core/image.h"
 #include "common/core/read_text.h"
 #include "services/pipeline/pipeline.h"
-#include "services/tools/evaluate/video_pictures.h"
-#include "services/tools/evaluate/video_truth.h"
+#include "services/tools/evaluate/video_score.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/common/scenes/kitti_folder.h"
 
