@@ -190,7 +190,7 @@ Finding JudgePlace(const RangeModel& model) {
         "range points belong about {} in the left image (there {:.0f} % of them are within 1 % of "
         "stereo, where they are {:.0f} %): how does the range sensor lie in the rig? "
         "sprout-calibrate refine",
-        AsideText(model.shifted.aside_px), 100 * model.shifted.close_share(),
+        MoveText(model.shifted.move_px), 100 * model.shifted.close_share(),
         100 * as_is.close_share());
   } else if (as_is.compared >= RangeVerdicts::kFewCompared &&
              as_is.share() >= RangeVerdicts::kHalf && AreApart(as_is, model.turned)) {
@@ -274,7 +274,7 @@ Finding JudgeMoment(const RangeModel& model, bool is_explained) {
 
 }  // namespace
 
-std::string AsideText(const cv::Point2d& move_px) {
+std::string MoveText(const cv::Point2d& move_px) {
   std::string text;
   if (std::abs(move_px.x) >= 0.5) text = SideText(move_px.x, "left", "right");
   if (std::abs(move_px.y) >= 0.5) {

@@ -16,7 +16,7 @@ Findings JudgeRanges(const RangeModel* ranges, bool pair_fits);
 
 /// Where points belong that fit when they are moved so far in the left image, px: "4 px further
 /// left and 2 px further up".
-std::string AsideText(const cv::Point2d& move_px);
+std::string MoveText(const cv::Point2d& move_px);
 
 }  // namespace sprout::inputs
 

@@ -37,7 +37,7 @@ struct RangeRules {
   static constexpr double kClose = 0.85;
   /// Moves ahead that are tried, shares of the median distance.
   static constexpr double kMoves[] = {0.015, 0.03, 0.045, 0.06, 0.08, 0.1};
-  /// Moves aside, shares of the picture's width: 1 to 7 degrees of a camera that sees 60.
+  /// Moves in the picture, shares of the picture's width: 1 to 7 degrees of a camera that sees 60.
   static constexpr double kShifts[] = {0.015, 0.03, 0.06, 0.12};
   static constexpr double kApart = 0.1;  ///< see RangeModel::apart
 };
@@ -57,7 +57,7 @@ struct Hypothesis {
   double factor = 1;
   Turn turn = {};
   double ahead_m = 0;
-  cv::Point2d aside_px = {0, 0};
+  cv::Point2d move_px = {0, 0};
 };
 
 // Points in the picture, in cells; for what lies around a position.
@@ -182,7 +182,7 @@ class Comparison {
     Agreement result{.factor = hypothesis.factor,
                      .turn = hypothesis.turn,
                      .ahead_m = hypothesis.ahead_m,
-                     .aside_px = hypothesis.aside_px,
+                     .move_px = hypothesis.move_px,
                      .in_picture = in_picture,
                      .votes = std::vector<Vote>(matches_.size(), Vote::kNone),
                      .logs = {},
@@ -224,8 +224,8 @@ class Comparison {
           rotation_ * (projector_.ray(at.x, at.y) * (hypothesis.factor * pixel.depth)) + position;
       if (!(point.z() > 0)) continue;
       const double share = pair.focal_px / point.z();
-      const double u = share * point.x() + pair.cx + hypothesis.aside_px.x;
-      const double v = share * point.y() + pair.cy + hypothesis.aside_px.y;
+      const double u = share * point.x() + pair.cx + hypothesis.move_px.x;
+      const double v = share * point.y() + pair.cy + hypothesis.move_px.y;
       if (!(u >= 0 && u < pair.width && v >= 0 && v < pair.height)) continue;
       points.push_back({static_cast<float>(u), static_cast<float>(v),
                         static_cast<float>(share * pair.baseline_m)});
@@ -307,21 +307,21 @@ Agreement BestMoved(const Comparison& comparison, std::span<const RangePixel> pi
   return best;
 }
 
-// The best of moves aside, from a few far apart to finer ones around the best of them.
+// The best of moves in the picture, from a few far apart to finer ones around the best of them.
 Agreement BestShifted(const Comparison& comparison, std::span<const RangePixel> pixels, int width) {
   Agreement best;
   const auto look_around = [&](const cv::Point2d& from, double step_px) {
     for (int direction = 0; direction < 8; ++direction) {
       const double angle = direction * CV_PI / 4;
-      const cv::Point2d aside_px = from + step_px * cv::Point2d(std::cos(angle), std::sin(angle));
-      Agreement shifted = comparison.Compare(pixels, {.aside_px = aside_px});
+      const cv::Point2d move_px = from + step_px * cv::Point2d(std::cos(angle), std::sin(angle));
+      Agreement shifted = comparison.Compare(pixels, {.move_px = move_px});
       if (shifted.close > best.close) best = std::move(shifted);
     }
   };
   for (const double shift : RangeRules::kShifts) look_around({0, 0}, shift * width);
   // Each ring is twice as wide as the one before: between them lies half a radius.
-  double step_px = cv::norm(best.aside_px);
-  for (int i = 0; i < 2; ++i) look_around(best.aside_px, step_px /= 2);
+  double step_px = cv::norm(best.move_px);
+  for (int i = 0; i < 2; ++i) look_around(best.move_px, step_px /= 2);
   return best;
 }
 

@@ -40,12 +40,12 @@ enum class Vote : int8_t {
 };
 
 /// How well range points and stereo agree when ranges are multiplied by a factor, the range image
-/// is turned, and its points are moved ahead, or aside in the picture.
+/// is turned, and its points are moved ahead, or in the picture.
 struct Agreement {
   double factor = 1;
   Turn turn;
   double ahead_m = 0;
-  cv::Point2d aside_px;
+  cv::Point2d move_px;
   int in_picture = 0;  ///< points
   int compared = 0;
   int agreeing = 0;  ///< of them, closely or not
@@ -74,7 +74,7 @@ struct RangeModel {
   Agreement scaled;   ///< of other factors the best, if as_is is not good
   Agreement turned;   ///< of other turns the best; by 90° only if as_is is not good
   Agreement moved;    ///< of moves ahead the best, if as_is is not close
-  Agreement shifted;  ///< of moves aside the best, if as_is is not close
+  Agreement shifted;  ///< of moves in the picture the best, if as_is is not close
   Agreement swapped;  ///< if as_is is not good: with the left image for the right one
   /// Over the matches that agree with `scaled`, or if it is empty with `as_is`: median of z_range /
   /// z_stereo, of z_range − z_stereo, m, and their standard deviations.

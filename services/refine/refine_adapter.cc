@@ -175,12 +175,12 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
     if (finds_stereo_seeds_) outcome.degenerate += ", and stereo found none";
   }
   const SensorPlace& place = refiner_.sensor_place();
-  if (refined.fits && place.is_aside) {
+  if (refined.fits && place.is_displaced) {
     AddLine(outcome,
             fmt::format("range points belong about {} in the left image (there {:.0f} % of "
                         "them agree with stereo, where they are {:.0f} %): none is "
                         "believed",
-                        inputs::AsideText(place.move_px), 100 * place.agree_moved,
+                        inputs::MoveText(place.move_px), 100 * place.agree_moved,
                         100 * place.agree_as_is));
   } else if (refined.fits && refiner_.range_error().rejected) {
     const auto percent = std::lround(100 * refiner_.range_error().contradicted_share);

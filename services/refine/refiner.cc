@@ -89,9 +89,9 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   if (config_.stereo_seeds()) {
     const double spacing_px = points_.empty() ? 0 : surface_.spacing_px();
     const bool dense = !points_.empty() && !stereo_.IsCoarse(spacing_px, left.cols);
-    // A sensor that looks aside was found with all of them.
+    // A displaced sensor was found with all of them.
     const std::span<const Seed> stereo =
-        place_.is_aside
+        place_.is_displaced
             ? stereo_.found()
             : stereo_.Find(left, right, result.seeds, Covered(dense), spacing_px, zones_.most_px());
     unanswered_cells_ = stereo_.unanswered();
@@ -116,11 +116,11 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
       input,
       {.field = config_.range_bias() == RefineConfig::FIELD, .error_m = config_.range_error_m()},
       points_);
-  const bool aside = LooksAside(left, right, tof, projector);
-  if (aside) range_error_.rejected = true;
+  const bool displaced = IsDisplaced(left, right, tof, projector);
+  if (displaced) range_error_.rejected = true;
   size_t kept = 0;
   for (size_t i = 0; i < points_.size(); ++i) {
-    if (!aside && range_.contradicted()[i] == 0) points_[kept++] = points_[i];
+    if (!displaced && range_.contradicted()[i] == 0) points_[kept++] = points_[i];
   }
   if (range_error_.moved_share == 0 && kept == points_.size()) return;
   result.contradicted += static_cast<int32_t>(points_.size() - kept);
@@ -130,8 +130,8 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
 
 // Whether stereo that knows nothing of the points shows that all belong elsewhere. Asked only where
 // much is wrong with them: first of coarse matches, which take a fifth of the time.
-bool Refiner::LooksAside(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
-                         const TofProjector& projector) {
+bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
+                          const TofProjector& projector) {
   const bool is_doubtful = range_error_.contradicted_share > RangeRules::kDoubtfulShare ||
                            range_error_.far_moved_share > RangeRules::kDoubtfulMoves;
   // Where points are far apart disparities of their neighbours say too little.
@@ -148,12 +148,12 @@ bool Refiner::LooksAside(const cv::Mat1b& left, const cv::Mat1b& right, const To
   double error_px = 0;
   const std::span<const Seed> coarse = stereo_.FindCoarse(left, right, error_px);
   if (!FindSensorPlace(points, coarse, RangeRules::kAgreePx + error_px, RangeRules::kFirstLook)
-           .is_aside) {
+           .is_displaced) {
     return false;
   }
   place_ = FindSensorPlace(points, stereo_.Find(left, right, {}, {}, 0, zones_.most_px()),
                            RangeRules::kAgreePx);
-  return place_.is_aside;
+  return place_.is_displaced;
 }
 
 // What zones say of a place is no correspondence to grow from.

@@ -60,8 +60,8 @@ class Refiner {
   /// are.
   bool are_noise() const { return are_noise_; }
 
-  /// Where the sensor of the last call looks, if that was asked. If it is aside no point is
-  /// believed.
+  /// Where the points of the last call belong, if that was asked. If the sensor is displaced no
+  /// point is believed.
   const SensorPlace& sensor_place() const { return place_; }
 
   /// Of the stereo seeds of the last call, see StereoSeedFinder.
@@ -96,8 +96,8 @@ class Refiner {
                     SeedSet& result);
   void MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                    const TofProjector& projector, SeedSet& result);
-  bool LooksAside(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
-                  const TofProjector& projector);
+  bool IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
+                   const TofProjector& projector);
   void DropNoise();
   double NoisePx(const cv::Mat1b& left, const cv::Mat1b& right);
   std::span<const cv::Point2f> Covered(bool dense);

@@ -104,30 +104,30 @@ struct RangeRules {
   /// 0.19 (a scan of 16 beams), mirrored range images 0.27 and more.
   static constexpr double kRejectedShare = 0.22;
 
-  // A sensor that looks aside.
+  // A displaced sensor.
   /// Asked where more nodes than this share are contradicted, or more points were moved far. Right
   /// sensors have up to 0.07 and 0, displaced ones that do harm from 0.03 on with few exceptions.
   static constexpr double kDoubtfulShare = 0.03;
   static constexpr double kDoubtfulMoves = 0.2;
   /// Moves that are tried: up to this share of the picture's width, in so many steps to each side,
   /// by so many matches at most; then finer ones.
-  static constexpr double kMostAside = 0.16;
-  static constexpr int kAsideSteps = 12;
-  static constexpr int kAsideRounds = 2;
+  static constexpr double kMaxDisplacement = 0.16;
+  static constexpr int kMoveSteps = 12;
+  static constexpr int kMoveRounds = 2;
   static constexpr size_t kMostMatches = 1000;
   /// Points and stereo agree to so many px.
   static constexpr double kAgreePx = 2;
   /// The points belong elsewhere if so many more of the matches agree there, by so many standard
   /// deviations over blocks of the picture. Sensors in their place gain up to 0.007 and 2.3 (96
-  /// frames, wrong ranges among them); half a pixel of the sensor aside, which does no harm, 0.036.
-  static constexpr int kAsideBlocks = 10;
+  /// frames, wrong ranges among them); half a pixel of the sensor, which does no harm, 0.036.
+  static constexpr int kMoveBlocks = 10;
   static constexpr size_t kFewestCompared = 100;
-  static constexpr double kAsideGain = 0.04;
-  /// So many have to agree there: 0.90 and more do where a camera looks aside. The points of a
+  static constexpr double kMoveGain = 0.04;
+  /// So many have to agree there: 0.90 and more do where a camera is displaced. The points of a
   /// lidar are too far apart to be compared: with right scans 0.54 to 0.71 agree, moved by a few
   /// rows up to 0.82.
-  static constexpr double kAsideFits = 0.85;
-  static constexpr double kAsideSigmas = 4;
+  static constexpr double kMoveFits = 0.85;
+  static constexpr double kMoveSigmas = 4;
   /// A quarter of gain and standard deviations is enough for a second, finer look.
   static constexpr double kFirstLook = 0.25;
 };

@@ -91,9 +91,9 @@ cv::Point2d BestMove(const PointMap& map, std::span<const Seed> matches, int wid
       }
     }
   };
-  double step_px = RangeRules::kMostAside * width / RangeRules::kAsideSteps;
-  look_around({}, step_px, RangeRules::kAsideSteps);
-  for (int i = 0; i < RangeRules::kAsideRounds; ++i) look_around(best, step_px /= 2, 1);
+  double step_px = RangeRules::kMaxDisplacement * width / RangeRules::kMoveSteps;
+  look_around({}, step_px, RangeRules::kMoveSteps);
+  for (int i = 0; i < RangeRules::kMoveRounds; ++i) look_around(best, step_px /= 2, 1);
   return best;
 }
 
@@ -106,7 +106,7 @@ SensorPlace FindSensorPlace(const PlacedPoints& points, std::span<const Seed> ma
   const PointMap corrected(points.corrected, agree_px, points.spacing_px, points.image);
   place.move_px = BestMove(raw, matches, points.image.width);
   // Matches side by side err together, so blocks of them are counted.
-  constexpr int kBlocks = RangeRules::kAsideBlocks;
+  constexpr int kBlocks = RangeRules::kMoveBlocks;
   cv::Mat1d gains(kBlocks, kBlocks, 0.0);
   Count as_is, moved;
   for (const Seed& match : matches) {
@@ -124,10 +124,10 @@ SensorPlace FindSensorPlace(const PlacedPoints& points, std::span<const Seed> ma
   place.agree_moved = moved.share();
   const double sigma = cv::norm(gains);
   if (sigma > 0) place.gain_sigmas = cv::sum(gains)[0] / sigma;
-  place.is_aside = as_is.compared >= RangeRules::kFewestCompared &&
-                   place.agree_moved > RangeRules::kAsideFits &&
-                   place.gain_sigmas > strictness * RangeRules::kAsideSigmas &&
-                   place.agree_moved - place.agree_as_is > strictness * RangeRules::kAsideGain;
+  place.is_displaced = as_is.compared >= RangeRules::kFewestCompared &&
+                       place.agree_moved > RangeRules::kMoveFits &&
+                       place.gain_sigmas > strictness * RangeRules::kMoveSigmas &&
+                       place.agree_moved - place.agree_as_is > strictness * RangeRules::kMoveGain;
   return place;
 }
 

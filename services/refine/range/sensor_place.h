@@ -11,8 +11,8 @@ namespace sprout::refine {
 
 /// What stereo says of where a range sensor looks.
 struct SensorPlace {
-  bool is_aside = false;   ///< its points clearly fit better elsewhere in the picture
-  cv::Point2d move_px;     ///< what has to be added there to their positions in the left image
+  bool is_displaced = false;  ///< its points clearly fit better elsewhere in the picture
+  cv::Point2d move_px;        ///< what has to be added there to their positions in the left image
   double agree_as_is = 0;  ///< share of the matches that agree with the points around them, 0 to 1
   double agree_moved = 0;  ///< the same with the points moved
   double gain_sigmas = 0;  ///< standard deviations of the difference
@@ -26,7 +26,7 @@ struct PlacedPoints {
   cv::Size image;                             ///< the left one
 };
 
-/// Asks whether a range sensor was turned or moved aside, whether its
+/// Asks whether a range sensor was turned or moved, whether its
 /// points, all moved by one offset in the left image, fit the disparities of stereo better than
 /// where they are, and better than after RangeBias, too.
 /// @param matches   of stereo that knows nothing of the points.

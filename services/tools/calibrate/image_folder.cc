@@ -1,21 +1,19 @@
 #include "services/tools/calibrate/image_folder.h"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "common/config/config_error.h"
 #include "common/core/image.h"
 #include "common/core/pair_names.h"
-#include "common/frames/log_frames.h"
-#include "common/geometry/projection.h"
 #include "common/picture/eight_bits.h"
 #include "common/picture/read_image.h"
 #include "common/scenes/pfm.h"
@@ -117,16 +115,6 @@ std::vector<std::string> NotesOf(const fs::path& folder, const PairedNames& pair
   return notes;
 }
 
-ConfigError NoFrame(const std::filesystem::path& path, const std::string& prefix, PartSet parts,
-                    const ChannelCounts& channels) {
-  std::vector<std::string> wanted;
-  for (const Part part : kAllParts) {
-    if (parts.Has(part)) wanted.push_back(prefix + std::string(ChannelOf(part)));
-  }
-  return ConfigError(fmt::format("{}: no whole frame of {} in it; it has {}", path.string(),
-                                 fmt::join(wanted, ", "), channels.Text()));
-}
-
 }  // namespace
 
 std::vector<std::string> ReadImageFolder(const std::filesystem::path& folder, int bits,
@@ -177,52 +165,6 @@ void WriteImages(const std::filesystem::path& folder, const std::string& name,
   }
   write("right", ".png", images.right);
   write("left", ".png", images.left);  // the last one: with it the triplet is there
-}
-
-int64_t CountMessages(const std::filesystem::path& path, const std::string& channel) {
-  LogReader reader(path);
-  int64_t count = 0;
-  for (LogEvent event; reader.Next(event);) count += event.channel == channel ? 1 : 0;
-  return count;
-}
-
-std::string ReadFrameLog(const std::filesystem::path& path, const std::string& prefix,
-                         PartSet parts, const std::function<void(const Frame&)>& visit) {
-  int64_t refused = 0;
-  std::string first_refusal;
-  WholeFrames log(path, prefix, parts, [&](const LogEvent&, const std::string& why) {
-    if (refused++ == 0) first_refusal = why;
-  });
-  int64_t frames = 0;
-  for (; const auto next = log.Next(); ++frames) visit(next->frame);
-  if (frames == 0) throw NoFrame(path, prefix, parts, log.channels());
-  const int64_t incomplete = log.joiner().incomplete();
-  const size_t damaged = log.log().damage().size();
-  std::vector<std::string> complaints;
-  if (refused > 0) {
-    complaints.push_back(fmt::format("{} messages cannot be read ({})", refused, first_refusal));
-  }
-  if (incomplete > 0) complaints.push_back(fmt::format("{} frames are not whole", incomplete));
-  if (damaged > 0) complaints.push_back(fmt::format("damaged in {} places", damaged));
-  if (complaints.empty()) return "";
-  return fmt::format("{}: {}", path.string(), fmt::join(complaints, "; "));
-}
-
-Result<RigImages> RectifyImages(const Rectifier& rectifier, const RigImages& images) {
-  const cv::Size size = rectifier.raw().left.size();
-  if (images.left.size() != size || images.right.size() != size) {
-    return Fail("images of " + SizeText(images.left.size()) + " and " +
-                SizeText(images.right.size()) + ": allowed is the calibrated size " +
-                SizeText(size));
-  }
-  TofImage tof = images.tof;
-  if (const auto fits = CheckTofSize(RigOfFrame(rectifier.rig(), tof), tof); !fits) {
-    return tl::unexpected(fits.error());
-  }
-  rectifier.CorrectRanges(tof);
-  return RigImages{.left = rectifier.RectifyLeft(images.left),
-                   .right = rectifier.RectifyRight(images.right),
-                   .tof = tof};
 }
 
 }  // namespace sprout::calibrate

@@ -235,7 +235,7 @@ TEST(CheckInputs, SaysHowARangeImageIsTurned) {
 
 // A range sensor that is turned by 3 degrees to the right, and is taken for one that is not: what
 // it sees belongs further right.
-TEST(CheckInputs, SaysHowFarARangeSensorIsTurnedAside) {
+TEST(CheckInputs, SaysHowFarARangeSensorIsDisplaced) {
   for (const auto& [axis, text] :
        {std::pair<Eigen::Vector3d, const char*>(Eigen::Vector3d::UnitY(), "px further right in"),
         std::pair<Eigen::Vector3d, const char*>(-Eigen::Vector3d::UnitX(), "px further down in")}) {

@@ -90,13 +90,13 @@ TofZones OneZone(double disparity_px, ZoneMode mode = ZoneMode::kMean) {
           .targets = {{static_cast<float>(10 / (disparity_px + 2)), 0.01F, TargetStatus::kValid}}};
 }
 
-TEST(RefineAdapter, SaysWhereASensorBelongsThatLooksAside) {
+TEST(RefineAdapter, SaysWhereADisplacedSensorBelongs) {
   RefineAdapter adapter{RefineConfig()};
-  const StageResult aside = adapter.Process(FrameOf(BoxScene(25)));
-  EXPECT_TRUE(aside.ranges_refused);
-  EXPECT_THAT(aside.degenerate, HasSubstr("px further left"));
-  EXPECT_THAT(aside.degenerate, HasSubstr("none is believed"));
-  EXPECT_FALSE(aside.range_error.has_value());
+  const StageResult displaced = adapter.Process(FrameOf(BoxScene(25)));
+  EXPECT_TRUE(displaced.ranges_refused);
+  EXPECT_THAT(displaced.degenerate, HasSubstr("px further left"));
+  EXPECT_THAT(displaced.degenerate, HasSubstr("none is believed"));
+  EXPECT_FALSE(displaced.range_error.has_value());
   const StageResult right = adapter.Process(FrameOf(BoxScene()));
   EXPECT_FALSE(right.ranges_refused);
   EXPECT_EQ(right.degenerate, "");

@@ -288,12 +288,12 @@ TEST(Refiner, BelievesNoPointOfASensorThatGivesNoise) {
   EXPECT_FALSE(refiner.are_noise());
 }
 
-TEST(Refiner, BelievesNoPointOfASensorThatLooksAside) {
+TEST(Refiner, BelievesNoPointOfADisplacedSensor) {
   BoxScene scene(25);
   Refiner refiner{RefineConfig()};
   const auto seeds = refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig));
   const SensorPlace& place = refiner.sensor_place();
-  EXPECT_TRUE(place.is_aside);
+  EXPECT_TRUE(place.is_displaced);
   EXPECT_NEAR(place.move_px.x, -25, 8);
   EXPECT_NEAR(place.move_px.y, 0, 8);
   EXPECT_EQ(seeds->contradicted, seeds->raw - seeds->outside);
@@ -304,7 +304,7 @@ TEST(Refiner, BelievesNoPointOfASensorThatLooksAside) {
   // The next frame is judged by itself.
   const BoxScene right;
   ASSERT_TRUE(refiner.Compute(right.left, right.right, right.tof, TofProjector(right.rig)));
-  EXPECT_FALSE(refiner.sensor_place().is_aside);
+  EXPECT_FALSE(refiner.sensor_place().is_displaced);
   EXPECT_FALSE(refiner.range_error().rejected);
 }
 

@@ -14,7 +14,7 @@
 #include "common/rig/rectifier.h"
 #include "common/scenes/dataset.h"
 #include "services/selfcalibrate/change_text.h"
-#include "services/tools/calibrate/image_folder.h"
+#include "services/tools/calibrate/rectify_images.h"
 #include "tests/services/tools/calibrate/knocked_scene.h"
 
 namespace sprout::selfcalibrate {

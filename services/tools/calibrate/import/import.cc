@@ -1,3 +1,5 @@
+#include "services/tools/calibrate/import/import.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>

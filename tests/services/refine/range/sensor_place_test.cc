@@ -53,15 +53,15 @@ SensorPlace Find(const std::vector<ProjectedPoint>& raw,
 TEST(SensorPlace, IsRightForASensorThatLooksWhereItShould) {
   const auto points = Points(BoxesPx);
   const SensorPlace place = Find(points, points);
-  EXPECT_FALSE(place.is_aside);
+  EXPECT_FALSE(place.is_displaced);
   EXPECT_GT(place.agree_as_is, 0.9);
 }
 
-TEST(SensorPlace, FindsWhereASensorLooksThatIsAside) {
+TEST(SensorPlace, FindsWhereADisplacedSensorBelongs) {
   for (const cv::Point2d& move_px : {cv::Point2d(24, 0), {-40, 30}, {0, -60}, {70, 20}}) {
     const auto points = Points([&](const cv::Point2d& at) { return BoxesPx(at + move_px); });
     const SensorPlace place = Find(points, points);
-    EXPECT_TRUE(place.is_aside) << move_px;
+    EXPECT_TRUE(place.is_displaced) << move_px;
     EXPECT_GT(place.agree_moved, 0.9) << move_px;
     EXPECT_NEAR(place.move_px.x, move_px.x, 2 * kSpacingPx) << move_px;
     EXPECT_NEAR(place.move_px.y, move_px.y, 2 * kSpacingPx) << move_px;
@@ -74,25 +74,25 @@ TEST(SensorPlace, IsRightForASensorThatIsOffInDepthAndWasCorrected) {
     return BoxesPx(at) - 4 - 3 * std::exp(-((at.x - 300) * (at.x - 300)) / 5000);
   });
   const SensorPlace place = Find(raw, Points(BoxesPx));
-  EXPECT_FALSE(place.is_aside);
+  EXPECT_FALSE(place.is_displaced);
 }
 
 // No other place explains them better, so where they look cannot be told.
-TEST(SensorPlace, IsNotAsideForAnotherScene) {
+TEST(SensorPlace, IsNotDisplacedForAnotherScene) {
   const auto points = Points(
       [](const cv::Point2d& at) { return 40 + 15 * std::sin(at.x / 31) * std::cos(at.y / 23); });
-  EXPECT_FALSE(Find(points, points).is_aside);
+  EXPECT_FALSE(Find(points, points).is_displaced);
 }
 
 // Better elsewhere is not enough: there they have to fit.
-TEST(SensorPlace, IsNotAsideWherePointsFitNowhere) {
+TEST(SensorPlace, IsNotDisplacedWherePointsFitNowhere) {
   const auto points = Points([](const cv::Point2d& at) {
     const bool is_wrong = static_cast<int>(at.x * 7 + at.y * 13) % 4 == 0;
     return BoxesPx(at + cv::Point2d(40, 0)) + (is_wrong ? 30 : 0);
   });
   const SensorPlace place = Find(points, points);
   EXPECT_GT(place.agree_moved, place.agree_as_is + 0.04);
-  EXPECT_FALSE(place.is_aside);
+  EXPECT_FALSE(place.is_displaced);
 }
 
 TEST(SensorPlace, CannotBeToldFromFewMatches) {
@@ -103,9 +103,9 @@ TEST(SensorPlace, CannotBeToldFromFewMatches) {
   for (size_t i = 0; i < all.size(); i += 60) few.push_back(all[i]);
   ASSERT_LT(few.size(), 100U);
   const PlacedPoints placed{points, points, {kSpacingPx, kSpacingPx}, kImage};
-  EXPECT_TRUE(FindSensorPlace(placed, all, 2).is_aside);
-  EXPECT_FALSE(FindSensorPlace(placed, few, 2).is_aside);
-  EXPECT_FALSE(FindSensorPlace(placed, {}, 2).is_aside);
+  EXPECT_TRUE(FindSensorPlace(placed, all, 2).is_displaced);
+  EXPECT_FALSE(FindSensorPlace(placed, few, 2).is_displaced);
+  EXPECT_FALSE(FindSensorPlace(placed, {}, 2).is_displaced);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 #include "common/config/config_error.h"
 #include "common/rig/rig_file.h"
-#include "services/tools/calibrate/import/foreign_rig.h"
+#include "services/tools/calibrate/import/import.h"
 #include "tests/common/picture/temporary_directory.h"
 
 namespace sprout::calibrate {

@@ -12,7 +12,7 @@
 
 #include "common/rig/rectifier.h"
 #include "common/scenes/dataset.h"
-#include "services/tools/calibrate/image_folder.h"
+#include "services/tools/calibrate/rectify_images.h"
 #include "services/tools/calibrate/report.h"
 #include "services/tools/calibrate/scene/scene_refiner.h"
 #include "tests/common/rig/kitti_raw.h"
