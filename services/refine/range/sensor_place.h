@@ -26,9 +26,9 @@ struct PlacedPoints {
   cv::Size image;                             ///< the left one
 };
 
-/// Asks whether a range sensor was turned or moved, whether its
-/// points, all moved by one offset in the left image, fit the disparities of stereo better than
-/// where they are, and better than after RangeBias, too.
+/// Asks whether a range sensor was turned or moved: whether its points, all moved by one offset in
+/// the left image, fit the disparities of stereo better than where they are, and better than after
+/// RangeBias, too.
 /// @param matches   of stereo that knows nothing of the points.
 /// @param agree_px  by which points and matches may differ where they agree.
 /// @param strictness  1; less: for a first look.
