@@ -117,8 +117,9 @@ struct RangeRules {
   static constexpr size_t kMostMatches = 1000;
   /// Points and stereo agree to so many px.
   static constexpr double kAgreePx = 2;
-  /// The points belong elsewhere if so many more of the matches agree there, by so many standard
-  /// deviations over blocks of the picture. Sensors in their place gain up to 0.007 and 2.3 (96
+  /// The points belong elsewhere if more of the matches agree there, by so many standard deviations
+  /// over blocks of the picture, and by more than what agrees nowhere, which stereo has wrong; a
+  /// share of kMoveGain is always enough. Sensors in their place gain up to 0.007 and 2.3 (96
   /// frames, wrong ranges among them); half a pixel of the sensor, which does no harm, 0.036.
   static constexpr int kMoveBlocks = 10;
   static constexpr size_t kFewestCompared = 100;
@@ -127,9 +128,9 @@ struct RangeRules {
   /// lidar are too far apart to be compared: with right scans 0.54 to 0.71 agree, moved by a few
   /// rows up to 0.82.
   static constexpr double kMoveFits = 0.85;
-  static constexpr double kMoveSigmas = 4;
-  /// A quarter of gain and standard deviations is enough for a second, finer look.
-  static constexpr double kFirstLook = 0.25;
+  static constexpr double kMoveSigmas = 3;
+  /// Half of gain and standard deviations is enough for a second, finer look.
+  static constexpr double kFirstLook = 0.5;
 };
 
 }  // namespace sprout::refine

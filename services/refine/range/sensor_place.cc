@@ -30,15 +30,16 @@ class PointMap {
   enum class Vote { kNone, kAgrees, kDisagrees };
   Vote Ask(const Seed& match, const cv::Point2d& move_px) const {
     const cv::Point cell = CellOf({match.u - move_px.x, match.v - move_px.y});
-    if (!IsIn(cell) || map_(cell) == kNothing) return Vote::kNone;
-    return std::abs(map_(cell) - match.disparity()) <= agree_px_ ? Vote::kAgrees : Vote::kDisagrees;
+    const float here = IsIn(cell) ? map_(cell) : kNothing;
+    if (here == kNothing) return Vote::kNone;
+    return std::abs(here - match.disparity()) <= agree_px_ ? Vote::kAgrees : Vote::kDisagrees;
   }
 
  private:
   static constexpr float kNothing = std::numeric_limits<float>::lowest();
 
   cv::Point CellOf(const cv::Point2d& at) const {
-    return {static_cast<int>(std::floor(at.x / wide_)), static_cast<int>(std::floor(at.y / high_))};
+    return {cvFloor(at.x / wide_), cvFloor(at.y / high_)};  // inline, unlike std::floor()
   }
   bool IsIn(const cv::Point& cell) const { return cv::Rect({}, map_.size()).contains(cell); }
 
@@ -65,14 +66,14 @@ struct Count {
 // The move at which most of the matches agree: of a grid over all moves, then of finer ones.
 cv::Point2d BestMove(const PointMap& map, std::span<const Seed> matches, int width) {
   const size_t step = matches.size() / RangeRules::kMostMatches + 1;
+  const auto asked = static_cast<double>((matches.size() + step - 1) / step);
   // Stops where a share of `most` is out of reach.
   const auto count_at = [&](const cv::Point2d& move_px, double most) {
+    const double most_against = (1 - most) * asked;
     Count count;
     for (size_t i = 0; i < matches.size(); i += step) {
       count.Add(map.Ask(matches[i], move_px));
-      const auto against = static_cast<double>(count.compared - count.agreeing);
-      const auto rest = static_cast<double>((matches.size() - 1 - i) / step);
-      if (against > (1 - most) * (static_cast<double>(count.compared) + rest)) break;
+      if (static_cast<double>(count.compared - count.agreeing) > most_against) break;
     }
     return count;
   };
@@ -124,10 +125,12 @@ SensorPlace FindSensorPlace(const PlacedPoints& points, std::span<const Seed> ma
   place.agree_moved = moved.share();
   const double sigma = cv::norm(gains);
   if (sigma > 0) place.gain_sigmas = cv::sum(gains)[0] / sigma;
+  // Where stereo itself errs less, so many are enough: what does not agree anywhere is its errors.
+  const double enough = std::min(RangeRules::kMoveGain, 1 - place.agree_moved);
   place.is_displaced = as_is.compared >= RangeRules::kFewestCompared &&
                        place.agree_moved > RangeRules::kMoveFits &&
                        place.gain_sigmas > strictness * RangeRules::kMoveSigmas &&
-                       place.agree_moved - place.agree_as_is > strictness * RangeRules::kMoveGain;
+                       place.agree_moved - place.agree_as_is > strictness * enough;
   return place;
 }
 

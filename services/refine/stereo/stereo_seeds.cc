@@ -211,6 +211,7 @@ std::span<const Seed> StereoSeedFinder::FindCoarse(const cv::Mat1b& left, const 
                                                    double& error_px) {
   StereoMatcherSettings settings = SettingsFor(left.cols, columns_);
   settings.most_pixels = std::min(settings.most_pixels, StereoRules::kFewPixels);
+  settings.diagonal = false;
   wanted_.create(left.size());
   wanted_ = 1;
   const cv::Mat1f& map = matcher_.Match(left, right, wanted_, {}, settings);

@@ -95,6 +95,19 @@ TEST(SensorPlace, IsNotDisplacedWherePointsFitNowhere) {
   EXPECT_FALSE(place.is_displaced);
 }
 
+// Only edges show a small move, so it changes few matches; as long as stereo has fewer wrong.
+TEST(SensorPlace, NeedsLessWhereStereoErrsLess) {
+  const auto points =
+      Points([](const cv::Point2d& at) { return BoxesPx(at + cv::Point2d(10, 0)); });
+  const PlacedPoints placed{points, points, {kSpacingPx, kSpacingPx}, kImage};
+  std::vector<Seed> matches = Matches();
+  const SensorPlace place = FindSensorPlace(placed, matches, 2);
+  EXPECT_LT(place.agree_moved - place.agree_as_is, 0.035);
+  EXPECT_TRUE(place.is_displaced);
+  for (size_t i = 0; i < matches.size(); i += 20) matches[i].u_right += 30;
+  EXPECT_FALSE(FindSensorPlace(placed, matches, 2).is_displaced);
+}
+
 TEST(SensorPlace, CannotBeToldFromFewMatches) {
   const auto points =
       Points([](const cv::Point2d& at) { return BoxesPx(at + cv::Point2d(40, 0)); });
