@@ -6,9 +6,11 @@
 #include <chrono>
 #include <iostream>
 #include <map>
+#include <memory>
 #include <set>
 
 #include "common/config/config.h"
+#include "common/config/frame_range.h"
 #include "common/core/printable.h"
 #include "common/logfile/log_reader.h"
 #include "common/logfile/log_writer.h"
@@ -21,6 +23,27 @@
 
 namespace sprout::log {
 namespace {
+
+struct CopyOptions {
+  std::filesystem::path in;
+  std::filesystem::path out;
+  bool force = false;
+};
+
+struct CutOptions : CopyOptions {
+  std::string frames;
+  int64_t warm_up = 0;
+  std::vector<std::string> channels;
+  std::string prefix;
+};
+
+struct RepairOptions : CopyOptions {
+  bool drop_undecodable = false;
+};
+
+struct CompressOptions : CopyOptions {
+  std::optional<int> jpeg_quality;
+};
 
 std::optional<FrameId> IdOf(const LogEvent& event) {
   if (!TypeOf(event.data)) return std::nullopt;
@@ -167,8 +190,6 @@ void ChangeEvents(const std::filesystem::path& in, const std::filesystem::path& 
             << "\n";
 }
 
-}  // namespace
-
 int RunCut(const CutOptions& options) {
   const bool by_frame = !options.frames.empty();
   FrameRange range = by_frame ? ParseFrameRange("--frames", options.frames) : FrameRange{};
@@ -262,7 +283,7 @@ int RunCompress(const CompressOptions& options) {
   return 0;
 }
 
-int RunExpand(const ExpandOptions& options) {
+int RunExpand(const CopyOptions& options) {
   ChangeEvents(options.in, options.out, options.force,
                [&](const LogEvent& event) -> std::optional<Bytes> {
                  if (!IsPacked(event.data)) return std::nullopt;
@@ -271,6 +292,74 @@ int RunExpand(const ExpandOptions& options) {
                  return *std::move(message);
                });
   return 0;
+}
+
+void AddPaths(Flags& flags, CopyOptions& options, const char* in = "Log") {
+  flags.Add("IN", options.in, in).Required();
+  flags.Add("OUT", options.out, "New log").Required();
+}
+
+}  // namespace
+
+void AddCut(Flags& program) {
+  const auto options = std::make_shared<CutOptions>();
+  Flags& flags = program.AddCommand(
+      "cut",
+      "Writes some frames or channels of a log to a new one. Calibrations (RIG) of the frames "
+      "are\nalways kept, and with --frames also SPROUT_PROCESS, once for each process; other "
+      "messages\nwithout a frame are kept only without --frames",
+      [options] { return RunCut(*options); });
+  AddPaths(flags, *options);
+  Flag frames = AddFrames(flags, options->frames);
+  flags
+      .Add("--warm-up N", options->warm_up,
+           "Also keep so many frames before those of --frames: for a replay of "
+           "sprout-temporal, which remembers earlier frames")
+      .WithinWhole(int64_t{0}, int64_t{1'000'000})
+      .ShowDefault()
+      .Needs(frames);
+  AddChannels(flags, options->channels);
+  AddPrefix(flags, options->prefix);
+  AddForce(flags, options->force);
+}
+
+void AddRepair(Flags& program) {
+  const auto options = std::make_shared<RepairOptions>();
+  Flags& flags = program.AddCommand(
+      "repair",
+      "Writes all good events of a damaged log to a new one that every LCM tool reads, and\nprints "
+      "what was lost. Undecodable messages are kept: a later program may understand them",
+      [options] { return RunRepair(*options); });
+  AddPaths(flags, *options);
+  flags.Add("--drop-undecodable", options->drop_undecodable,
+            "Drop messages that services would refuse");
+  AddForce(flags, options->force);
+}
+
+void AddCompress(Flags& program) {
+  const auto options = std::make_shared<CompressOptions>();
+  Flags& flags = program.AddCommand(
+      "compress",
+      "Writes a log in fewer bytes: images lose nothing and take half, more or less. Every "
+      "program\nof Sprout reads it as the original; `sprout-log expand` gives that back to the "
+      "byte",
+      [options] { return RunCompress(*options); });
+  AddPaths(flags, *options);
+  flags
+      .Add("--jpeg QUALITY", options->jpeg_quality,
+           "Left and right images as JPEG of this quality: a tenth of the bytes, but what is lost "
+           "does not come back, and replays differ")
+      .WithinWhole(1, 100);
+  AddForce(flags, options->force);
+}
+
+void AddExpand(Flags& program) {
+  const auto options = std::make_shared<CopyOptions>();
+  Flags& flags = program.AddCommand(
+      "expand", "Writes the log that was compressed, to the byte; for programs of others",
+      [options] { return RunExpand(*options); });
+  AddPaths(flags, *options, "Log, compressed or recorded with --compress");
+  AddForce(flags, options->force);
 }
 
 }  // namespace sprout::log

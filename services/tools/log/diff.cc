@@ -4,6 +4,7 @@
 #include <array>
 #include <iostream>
 #include <map>
+#include <memory>
 #include <tuple>
 
 #include "common/logfile/event_fetcher.h"
@@ -14,6 +15,16 @@
 
 namespace sprout::log {
 namespace {
+
+struct DiffOptions {
+  std::filesystem::path a;
+  std::filesystem::path b;
+  std::vector<std::string> channels;
+  std::string prefix;
+  bool common = false;
+  bool all = false;
+  std::filesystem::path images;
+};
 
 constexpr int kShownDifferences = 10;
 
@@ -248,8 +259,6 @@ void LogDiff::Warn() {
   WarnOfDamage(options_.b, streams_[1].reader().damage());
 }
 
-}  // namespace
-
 int RunDiff(const DiffOptions& options) {
   LogDiff diff(options);
   diff.Run();
@@ -261,6 +270,33 @@ int RunDiff(const DiffOptions& options) {
   diff.Warn();
   std::cout << diff.Report();
   return diff.IsEqual() ? 0 : 1;
+}
+
+}  // namespace
+
+void AddDiff(Flags& program) {
+  const auto options = std::make_shared<DiffOptions>();
+  Flags& flags = program.AddCommand(
+      "diff",
+      "Compares two logs frame by frame: messages are matched by channel and header\n"
+      "(utime, seq). Exit code 0 equal, 1 different, 2 unusable",
+      [options] { return RunDiff(*options); });
+  flags.SetFooter(R"(
+Messages with the same bytes are equal; so are messages that decode to the same values, such as a
+map sent raw and compressed, with a remark. Calibrations are matched by rig_id. A message repeated
+with the same bytes counts once. Statuses, which depend on clock and machine, SPROUT_PROCESS and
+LCM's own channels are compared only when named by --channels; configurations that differ are shown, but are no difference of the answers.)");
+  flags.Add("A", options->a, "Log, such as a recorded one").Required();
+  flags.Add("B", options->b, "Log, such as a replayed one").Required();
+  AddChannels(flags, options->channels);
+  AddPrefix(flags, options->prefix);
+  flags.Add(
+      "--common", options->common,
+      "Messages in only one log are no difference: a live run skips frames that a replay does not");
+  flags.Add("--all", options->all, "A line for every frame, also for equal ones");
+  flags.Add("--images DIR", options->images,
+            "Write pictures of A, B and their difference, of the maps and images that differ; "
+            "without --all of the first 10");
 }
 
 }  // namespace sprout::log

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <iostream>
 #include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -25,6 +26,16 @@
 
 namespace sprout::log {
 namespace {
+
+struct ExportOptions : PicturesOptions {
+  bool ply = false;
+  bool mesh = false;
+  bool pfm = false;
+  bool depth = false;
+  bool npz = false;
+  std::string mcap;
+  bool force_mcap = false;
+};
 
 void Require(const Result<void>& written) {
   if (!written) throw std::runtime_error(written.error().text);
@@ -210,8 +221,6 @@ class Exporter {
   int64_t misfits_ = 0;
 };
 
-}  // namespace
-
 int RunExport(const ExportOptions& options) {
   if (!options.ply && !options.mesh && !options.pfm && !options.depth && !options.npz) {
     throw ConfigError("export: nothing to do without --ply, --mesh, --pfm, --depth or --npz");
@@ -223,6 +232,44 @@ int RunExport(const ExportOptions& options) {
   FinishFiles(complaint, exporter.names(), options,
               "no message of these frames that can be exported");
   return whole ? 0 : 1;
+}
+
+int RunEitherExport(const ExportOptions& options) {
+  if (!options.mcap.empty()) return RunMcapExport(options, options.mcap, options.force_mcap);
+  if (options.folder.empty()) throw ConfigError("DIR is required (--help lists the flags)");
+  return RunExport(options);
+}
+
+}  // namespace
+
+void AddExport(Flags& program) {
+  const auto options = std::make_shared<ExportOptions>();
+  Flags& flags = program.AddCommand("export",
+                                    "Writes each frame for other programs, or with --mcap "
+                                    "all of a log as ROS 2's messages",
+                                    [options] { return RunEitherExport(*options); });
+  flags.Add("FILE", options->file, "Log").Required();
+  const Flag folder =
+      flags.Add("DIR", options->folder, "Folder to write to: 000042_disparity.pfm, ...");
+  flags.Add("--ply", options->ply,
+            "Coloured point cloud of the disparity map, m in the left rectified frame, each point "
+            "with its confidence if the log has it");
+  flags.Add("--mesh", options->mesh,
+            "Coloured surface of the disparity map, cut at depth edges, m");
+  flags.Add("--pfm", options->pfm, "Prior and disparity maps, px; +inf: no disparity; sigma, px");
+  flags.Add("--depth", options->depth,
+            "Depth as PNG of 16 bits, mm, 0: none or more than 65.535 m; and intrinsics.json");
+  flags.Add(
+      "--npz", options->npz,
+      "For NumPy: depth_m (m, NaN: none), disparity_px, confidence (0 to 255), K, utime, seq");
+  flags
+      .Add("--mcap OUT", options->mcap,
+           "One MCAP file for rosbag2, Foxglove and rerun: the images, depth, points, "
+           "disparities and statuses of the log on the topics of sprout-ros2")
+      .Excludes(folder);
+  AddForce(flags, options->force_mcap);
+  AddFrames(flags, options->frames);
+  AddPrefix(flags, options->prefix);
 }
 
 }  // namespace sprout::log

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iostream>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -245,13 +246,28 @@ std::string JsonText(const LogSummary& log, const std::filesystem::path& file) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace
-
 int RunInfo(const InfoOptions& options) {
   if (IsMcap(options.file)) return RunMcapInfo(options);
   const LogSummary log = Summarize(options);
   std::cout << (options.json ? JsonText(log, options.file) : Text(log, options));
   return options.check && !IsWhole(log) ? 1 : 0;
+}
+
+}  // namespace
+
+void AddInfo(Flags& program) {
+  const auto options = std::make_shared<InfoOptions>();
+  Flags& flags = program.AddCommand(
+      "info",
+      "Prints for each channel type, messages, rate, times, frames, and how many frame numbers "
+      "are\nmissing, repeated or undecodable; and where the file is damaged",
+      [options] { return RunInfo(*options); });
+  flags.Add("FILE", options->file, "Log, or MCAP file").Required();
+  AddPrefix(flags, options->prefix);
+  flags.Add("--json", options->json, "For programs; has the configurations, too");
+  flags.Add("--config", options->config, "Also the effective configuration of each process");
+  flags.Add("--check", options->check,
+            "Exit code 1 when something is damaged or undecodable, or frame numbers are missing");
 }
 
 }  // namespace sprout::log

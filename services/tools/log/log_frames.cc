@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "common/config/config_error.h"
+#include "common/config/frame_range.h"
 #include "common/frames/log_frames.h"
 #include "common/logfile/log_error.h"
 #include "services/tools/log/read_progress.h"

@@ -15,6 +15,7 @@
 #include "common/app/version.h"
 #include "common/bus/channels.h"
 #include "common/config/config_error.h"
+#include "common/config/frame_range.h"
 #include "common/core/printable.h"
 #include "common/logfile/log_reader.h"
 #include "common/messages/message_type.h"
@@ -110,10 +111,10 @@ class RosFile {
 
 class McapExporter {
  public:
-  explicit McapExporter(const McapExportOptions& options)
+  McapExporter(const PicturesOptions& options, const std::filesystem::path& out)
       : options_(options),
         rigs_(options.file, options.prefix + std::string(ChannelOf(Part::kRig))),
-        file_(options.out) {
+        file_(out) {
     if (!options.frames.empty()) frames_ = ParseFrameRange("--frames", options.frames);
   }
 
@@ -184,7 +185,7 @@ class McapExporter {
     }
   }
 
-  const McapExportOptions& options_;
+  const PicturesOptions& options_;
   std::optional<FrameRange> frames_;
   RigBook rigs_;
   RosFile file_;
@@ -287,13 +288,13 @@ std::string McapJson(const McapSummary& summary, const McapReader& reader,
 
 }  // namespace
 
-int RunMcapExport(const McapExportOptions& options) {
+int RunMcapExport(const PicturesOptions& options, const std::filesystem::path& out, bool force) {
   std::error_code ignored;
-  if (!options.force && std::filesystem::exists(options.out, ignored)) {
-    throw LogError(options.out, "exists already; --force overwrites it");
+  if (!force && std::filesystem::exists(out, ignored)) {
+    throw LogError(out, "exists already; --force overwrites it");
   }
   LogReader reader(options.file);
-  McapExporter exporter(options);
+  McapExporter exporter(options, out);
   ReadProgress progress("reading " + options.file.string(), reader.size());
   for (LogEvent event; reader.Next(event); progress.Update(reader.position())) exporter.Take(event);
   progress.Clear();
@@ -307,7 +308,7 @@ int RunMcapExport(const McapExportOptions& options) {
   const uint64_t messages = writer.messages();
   if (const Result<void> done = writer.Commit(); !done)
     throw ConfigError("export: " + done.error().text);
-  std::cout << fmt::format("{}: {} messages\n", options.out.string(), messages);
+  std::cout << fmt::format("{}: {} messages\n", out.string(), messages);
   return 0;
 }
 

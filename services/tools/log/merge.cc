@@ -21,6 +21,13 @@
 namespace sprout::log {
 namespace {
 
+struct MergeOptions {
+  std::vector<std::filesystem::path> in;
+  std::filesystem::path out;
+  bool replace = false;
+  bool force = false;
+};
+
 using ChannelSet = std::set<std::string, std::less<>>;
 
 // Whether a channel has parts of frames, of which there is one for each frame; unlike statuses, and
@@ -99,8 +106,6 @@ MergedLog& NextOf(const std::vector<std::unique_ptr<MergedLog>>& logs) {
   });
 }
 
-}  // namespace
-
 int RunMerge(const MergeOptions& options) {
   std::vector<std::unique_ptr<MergedLog>> logs;
   int64_t bytes = 0;
@@ -131,6 +136,23 @@ int RunMerge(const MergeOptions& options) {
   std::cout << fmt::format("{}: {} of {} events\n", options.out.string(), out.events(),
                            out.events());
   return 0;
+}
+
+}  // namespace
+
+void AddMerge(Flags& program) {
+  const auto options = std::make_shared<MergeOptions>();
+  Flags& flags = program.AddCommand(
+      "merge",
+      "Merges logs into one, by the time of their events. Logs that have different messages for "
+      "one\nframe, such as a recording and the replay of one of its stages, need --replace",
+      [options] { return RunMerge(*options); });
+  flags.Add("IN", options->in, "Logs; of equal times, the log named first comes first").Required();
+  flags.Add("--out OUT", options->out, "New log").Required();
+  flags.Add("--replace", options->replace,
+            "Take a channel from the last log that has it, as --replay does: later answers replace "
+            "earlier ones. Of statuses and SPROUT_PROCESS all are kept");
+  AddForce(flags, options->force);
 }
 
 }  // namespace sprout::log

@@ -20,6 +20,10 @@
 namespace sprout::log {
 namespace {
 
+struct ImagesOptions : PicturesOptions {
+  std::string truth;
+};
+
 // Ground truth for the frames of a log that capture sent from a scene, and the accuracy of their
 // maps.
 class LogTruth {
@@ -136,8 +140,6 @@ std::string LogTruth::Text() const {
   return text + "(correct: of the pixels that both cameras see; no disparity counts as wrong)\n";
 }
 
-}  // namespace
-
 int RunImages(const ImagesOptions& options) {
   LogTruth truth(options.truth);
   FrameFileNames names(options.folder);
@@ -147,6 +149,26 @@ int RunImages(const ImagesOptions& options) {
   FinishFiles(complaint, names, options, "no message of these frames that can be shown");
   std::cout << truth.Text();
   return 0;
+}
+
+}  // namespace
+
+void AddImages(Flags& program) {
+  const auto options = std::make_shared<ImagesOptions>();
+  Flags& flags = program.AddCommand(
+      "images",
+      "Writes left and right image, ToF depth, seeds, prior, disparity, the cloud from the side "
+      "and\n"
+      "an overview of each frame as PNG, as far as the log has them; colours of a frame share one\n"
+      "scale. Prints how many seeds and pixels there are",
+      [options] { return RunImages(*options); });
+  flags.Add("FILE", options->file, "Log").Required();
+  flags.Add("DIR", options->folder, "Folder to write to: 000042_left.png, ...").Required();
+  flags.Add("--truth SOURCE", options->truth,
+            "The source that capture sent, for its ground truth: a picture of the errors, and "
+            "the share of correct pixels");
+  AddFrames(flags, options->frames);
+  AddPrefix(flags, options->prefix);
 }
 
 }  // namespace sprout::log

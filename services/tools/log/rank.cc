@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iostream>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <span>
@@ -19,6 +20,14 @@
 
 namespace sprout::log {
 namespace {
+
+// The folder is for the pictures of the worst frames.
+struct RankOptions : PicturesOptions {
+  std::string by = "score";
+  int top = 0;  // 0: kShown in the table and as pictures, all in files
+  bool csv = false;
+  bool json = false;
+};
 
 // What the table shows without --top; files have all frames.
 constexpr int kShown = 20;
@@ -176,14 +185,41 @@ void Ranking::WritePictures() const {
                            names.files(), names.frames());
 }
 
-}  // namespace
-
 int RunRank(const RankOptions& options) {
   Ranking ranking(options);
   ranking.Read();
   if (!options.folder.empty()) ranking.WritePictures();
   std::cout << (options.csv ? ranking.Csv() : options.json ? ranking.Json() : ranking.Table());
   return 0;
+}
+
+}  // namespace
+
+void AddRank(Flags& program) {
+  const auto options = std::make_shared<RankOptions>();
+  Flags& flags =
+      program.AddCommand("rank",
+                         "Lists the frames of a log, the worst first, by figures that need no "
+                         "ground truth. The log must\nhave the images and the answers: "
+                         "`sprout-log merge` combines a recording and a replay",
+                         [options] { return RunRank(*options); });
+  flags.Add("LOG", options->file, "Log").Required();
+  flags
+      .Add("--top N", options->top,
+           "Only the N worst frames. Without it the table and --images have 20, --csv and "
+           "--json all of the log")
+      .WithinWhole(1, 1'000'000);
+  flags.Add("--by COLUMN", options->by, "What to rank by, a column below").ShowDefault();
+  Flag csv = flags.Add("--csv", options->csv, "For spreadsheets, all digits");
+  flags.Add("--json", options->json, "For programs, all digits").Excludes(csv);
+  flags.Add("--images DIR", options->folder, "Write the pictures of the worst frames");
+  AddFrames(flags, options->frames);
+  AddPrefix(flags, options->prefix);
+  std::string columns = "Columns\n";
+  for (const QualityColumn& column : QualityColumns()) {
+    columns += fmt::format("  {:<14}{}\n", column.name, column.meaning);
+  }
+  flags.SetFooter(columns);
 }
 
 }  // namespace sprout::log

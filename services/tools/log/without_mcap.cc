@@ -4,7 +4,9 @@
 
 namespace sprout::log {
 
-int RunMcapExport(const McapExportOptions&) { throw LeftOut("--mcap", "ROS2"); }
+int RunMcapExport(const PicturesOptions&, const std::filesystem::path&, bool) {
+  throw LeftOut("--mcap", "ROS2");
+}
 
 bool IsMcap(const std::filesystem::path& file) {
   const std::string name = file.string();
