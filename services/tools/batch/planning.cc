@@ -97,14 +97,16 @@ Manifest SettingsOf(const BatchRequest& request, const std::string& program) {
   return manifest;
 }
 
+// @param programs  folder of A's.
 // @returns the effective configuration of each.
-std::vector<SproutConfig> AddVariants(const BatchRequest& request, Manifest& manifest) {
+std::vector<SproutConfig> AddVariants(const BatchRequest& request, const std::string& programs,
+                                      Manifest& manifest) {
   std::vector<SproutConfig> configs = {LoadConfig(request.config_a)};
-  *manifest.add_variant() = MakeVariant(manifest, configs[0], request.programs_a);
+  *manifest.add_variant() = MakeVariant(manifest, configs[0], programs);
   if (request.config_b.empty() && request.programs_b.empty()) return configs;
   configs.push_back(request.config_b.empty() ? configs[0] : LoadConfig(request.config_b));
-  *manifest.add_variant() = MakeVariant(
-      manifest, configs[1], request.programs_b.empty() ? request.programs_a : request.programs_b);
+  *manifest.add_variant() =
+      MakeVariant(manifest, configs[1], request.programs_b.empty() ? programs : request.programs_b);
   if (AreAlike(manifest.variant(0), manifest.variant(1))) {
     throw ConfigError("--config-b, --programs-b: B is the same as A, there is nothing to compare");
   }
@@ -201,14 +203,14 @@ void SayLeftOut(const Manifest& manifest) {
 Manifest Plan(const BatchRequest& request, const std::string& program) {
   const BatchFolder folder(Absolute(request.out));
   RequirePlainText("--out", request.out);  // these go into the manifest
-  RequirePlainText("--programs-a", request.programs_a);
   RequirePlainText("--programs-b", request.programs_b);
   RequirePlainText("--truth", request.truth);
   const FoundLogs found = FindLogs(request.inputs);
   Manifest manifest = SettingsOf(request, program);
   manifest.mutable_left_out()->Assign(found.left_out.begin(), found.left_out.end());
   SayLeftOut(manifest);
-  const std::vector<SproutConfig> configs = AddVariants(request, manifest);
+  const std::vector<SproutConfig> configs =
+      AddVariants(request, fs::path(program).parent_path(), manifest);
   std::string before;
   std::map<std::string, BatchLog> known;
   if (fs::exists(folder.manifest())) {

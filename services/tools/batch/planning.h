@@ -19,8 +19,7 @@ struct BatchRequest {
   std::vector<std::string> keep;      ///< empty: the last stage
   std::vector<std::string> config_a;  ///< as --config of the services
   std::vector<std::string> config_b;  ///< empty: that of A, if there is a B
-  std::string programs_a;             ///< folder of the programs
-  std::string programs_b;             ///< empty: that of A, if there is a B
+  std::string programs_b;             ///< empty: those of A, if there is a B
   std::string truth;
   bool no_measures = false;  ///< the quality of frames is not measured
   std::string prefix;
@@ -31,7 +30,7 @@ void SayLeftOut(const Manifest& manifest);
 
 /// The manifest of a request, written to its folder with the effective configurations. Reads each
 /// new or changed log once, for its digest. An equal manifest is kept.
-/// @param program  path of sprout-batch.
+/// @param program  path of sprout-batch; A's stages are beside it.
 /// @throws ConfigError, LogError.
 Manifest Plan(const BatchRequest& request, const std::string& program);
 
