@@ -1,19 +1,32 @@
 #ifndef SPROUT_SERVICES_DEPTH_DEPTH_ADAPTER_H_
 #define SPROUT_SERVICES_DEPTH_DEPTH_ADAPTER_H_
 
+#include <optional>
+
 #include "common/config/config.h"
 #include "common/core/stage_adapter.h"
-#include "services/depth/depth_options.h"
+#include "services/depth/depth_in_view.h"
 #include "services/depth/map_filter.h"
+#include "services/depth/scan.h"
 
 namespace sprout::depth {
+
+/// The configuration, checked, with what it takes from the rig file.
+struct DepthOptions {
+  FilterRules filter;
+  std::optional<Pose> base_from_left;  ///< of the rig file
+  std::optional<View> target;
+  std::optional<ScanBand> scan;
+  std::optional<RectifiedPair> pair;  ///< of the rig file's calibration, if it has one
+};
 
 /// DISPARITY LEFT RIG → DEPTH, CLOUD, TARGET_DEPTH and others, a preview, a scan, as the
 /// configuration says; CONFIDENCE is joined for the clouds and for min_confidence, SIGMA for
 /// DEPTH_SIGMA. With input FUSED: FUSED and FUSED_CONFIDENCE instead, and no DEPTH_SIGMA.
 class DepthAdapter : public StageAdapter {
  public:
-  /// @throws ConfigError as OptionsOf().
+  /// @throws ConfigError for a value out of range, for what does not go together, for a rig file
+  /// that cannot be used, and when nothing is to be published.
   explicit DepthAdapter(const DepthConfig& config);
 
   PartSet Inputs() const override;

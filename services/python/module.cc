@@ -6,7 +6,6 @@
 #include "common/config/config_error.h"
 #include "common/logfile/log_error.h"
 #include "services/python/bindings.h"
-#include "services/python/new_object.h"
 
 namespace {
 
@@ -28,6 +27,25 @@ void SetThreads(int count) {
                                 ", given " + std::to_string(count));
   }
   sprout::SetThreads(count);
+}
+
+// What the base does. Python allows __new__ only where it is the very function of the class that
+// __new__ was found in, and that is pybind11's base.
+PyObject* NewOf(PyTypeObject* type, PyObject* arguments, PyObject* named) {
+  return pybind11::detail::pybind11_object_new(type, arguments, named);
+}
+
+// Makes CLASS.__new__(CLASS) a TypeError, for every class of the module: pybind11 would give an
+// object without a value, whose every use reads memory that was never written. CLASS(...) works as
+// ever. copy.copy() calls __new__ too, so what can be copied or pickled has __reduce__.
+void RefuseNew(pybind11::module_& module) {
+  for (const auto& [name, value] : pybind11::dict(module.attr("__dict__"))) {
+    if (!pybind11::isinstance<pybind11::type>(value) ||
+        pybind11::detail::get_type_info(reinterpret_cast<PyTypeObject*>(value.ptr())) == nullptr) {
+      continue;
+    }
+    reinterpret_cast<PyTypeObject*>(value.ptr())->tp_new = &NewOf;
+  }
 }
 
 }  // namespace
@@ -57,6 +75,6 @@ PYBIND11_MODULE(_sprout, module) {
              R"(set_threads(count: int) -> None
 
 Threads that a computation may use, for the whole process; 0: one a core; at most 1024. Results do not depend on it.)");
-  python::RefuseNew(module);
+  RefuseNew(module);
   python::WatchForTheEnd();
 }

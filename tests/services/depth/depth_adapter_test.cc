@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string>
 
+#include "common/rig/rig_file.h"
 #include "tests/common/picture/temporary_directory.h"
 
 namespace sprout::depth {

@@ -15,7 +15,6 @@
 #include "services/tools/calibrate/scene/range_curve_fit.h"
 #include "services/tools/calibrate/scene/rig_change.h"
 #include "services/tools/calibrate/scene/scene_adjustment.h"
-#include "services/tools/calibrate/scene/scene_match.h"
 
 namespace sprout::calibrate {
 
