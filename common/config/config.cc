@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::Reflection;
+using google::protobuf::TextFormat;
 
 // Keeps the first complaint of the parser.
 class FirstError : public google::protobuf::io::ErrorCollector {
@@ -51,30 +52,12 @@ void MakeDefaultsExplicit(Message& message) {
   for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
     const FieldDescriptor* field = message.GetDescriptor()->field(i);
     if (field->is_repeated()) continue;  // a list has no default, and shows what it has
-    switch (field->cpp_type()) {
-      case FieldDescriptor::CPPTYPE_MESSAGE:
-        MakeDefaultsExplicit(*reflection.MutableMessage(&message, field));
-        break;
-      case FieldDescriptor::CPPTYPE_DOUBLE:
-        reflection.SetDouble(&message, field, reflection.GetDouble(message, field));
-        break;
-      case FieldDescriptor::CPPTYPE_INT32:
-        reflection.SetInt32(&message, field, reflection.GetInt32(message, field));
-        break;
-      case FieldDescriptor::CPPTYPE_UINT32:
-        reflection.SetUInt32(&message, field, reflection.GetUInt32(message, field));
-        break;
-      case FieldDescriptor::CPPTYPE_BOOL:
-        reflection.SetBool(&message, field, reflection.GetBool(message, field));
-        break;
-      case FieldDescriptor::CPPTYPE_ENUM:
-        reflection.SetEnum(&message, field, reflection.GetEnum(message, field));
-        break;
-      case FieldDescriptor::CPPTYPE_STRING:
-        reflection.SetString(&message, field, reflection.GetString(message, field));
-        break;
-      default:
-        throw std::logic_error("configuration field of an unsupported type: " + field->full_name());
+    if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
+      MakeDefaultsExplicit(*reflection.MutableMessage(&message, field));
+    } else if (!reflection.HasField(message, field)) {
+      std::string value;
+      TextFormat::PrintFieldValueToString(message, field, -1, &value);
+      TextFormat::ParseFieldValueFromString(value, field, &message);
     }
   }
 }
@@ -133,7 +116,7 @@ void ParseTextFile(const fs::path& path, const std::string& what, const std::str
 
 void ParseText(const std::string& text, const std::string& name, Message& message) {
   FirstError error;
-  google::protobuf::TextFormat::Parser parser;
+  TextFormat::Parser parser;
   parser.RecordErrorsTo(&error);
   if (!parser.ParseFromString(text, &message)) throw ConfigError(name + ":" + error.text);
 }
@@ -181,7 +164,7 @@ SproutConfig LoadConfig(const std::vector<std::string>& files) {
 
 std::string ConfigText(const Message& config) {
   std::string text;
-  google::protobuf::TextFormat::PrintToString(config, &text);
+  TextFormat::PrintToString(config, &text);
   return text;
 }
 
