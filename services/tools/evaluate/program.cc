@@ -8,7 +8,6 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/app/output_paths.h"
@@ -348,16 +347,6 @@ int RunLog(const Options& options, const ReadLog& read_log) {
   return 0;
 }
 
-// The arguments with the command `scenes`, if they have none.
-std::vector<const char*> WithCommand(int argc, const char* const* argv) {
-  std::vector<const char*> all(argv, argv + argc);
-  constexpr std::string_view kFirst[] = {"scenes", "log", "video", "--help", "-h", "--version"};
-  if (argc > 1 && std::ranges::find(kFirst, argv[1]) == std::end(kFirst)) {
-    all.insert(all.begin() + 1, "scenes");
-  }
-  return all;
-}
-
 }  // namespace
 
 int EvaluateMain(int argc, const char* const* argv, const ReadLog& read_log) {
@@ -365,9 +354,7 @@ int EvaluateMain(int argc, const char* const* argv, const ReadLog& read_log) {
   Options options;
   flags.RequireCommand();
   Flags& of_scenes =
-      flags.AddCommand("scenes",
-                       "Runs methods on scenes with ground truth: accuracy and times; also what is "
-                       "done without a command",
+      flags.AddCommand("scenes", "Runs methods on scenes with ground truth: accuracy and times",
                        [&] { return RunScenes(options); });
   AddSceneFlags(of_scenes, options);
   AddRunFlags(of_scenes, options);
@@ -382,9 +369,7 @@ int EvaluateMain(int argc, const char* const* argv, const ReadLog& read_log) {
                 options);
   flags.AddVersion(Version());
   flags.SetFooter(kDefinitions);
-  const std::vector<const char*> all = WithCommand(argc, argv);
-  return RunProgram(flags, static_cast<int>(all.size()), all.data(),
-                    [&] { return flags.RunCommand(); });
+  return RunProgram(flags, argc, argv, [&] { return flags.RunCommand(); });
 }
 
 }  // namespace sprout::evaluate
