@@ -20,6 +20,9 @@ inline FrameId Id() {
 /// Bytes from the start of a message to the length of rig_id: fingerprint, utime, seq.
 inline constexpr size_t kRigIdLengthOffset = 24;
 
+inline constexpr DisparityEncoding kEncodings[] = {DisparityEncoding::kRawInt16,
+                                                   DisparityEncoding::kDeltaZstd};
+
 inline cv::Mat GreyImage() {
   cv::Mat1b image(5, 7);
   for (int v = 0; v < image.rows; ++v) {

@@ -9,11 +9,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr DisparityEncoding kEncodings[] = {DisparityEncoding::kRawInt16,
-                                            DisparityEncoding::kDeltaZstd};
-
 TEST(DisparityMessage, CarriesExtremeCountsInEveryEncoding) {
-  for (const DisparityEncoding encoding : kEncodings) {
+  for (const DisparityEncoding encoding : examples::kEncodings) {
     ExpectSamePixels(RoundTrip(Part::kUnfilled, examples::Disparity(), encoding).counts(),
                      examples::Disparity().counts());
   }
@@ -25,7 +22,7 @@ TEST(DisparityMessage, CarriesAViewIntoALargerMapInEveryEncoding) {
   for (int16_t& count : whole) count = static_cast<int16_t>(random());
   const DisparityImage view(cv::Mat1s(whole(cv::Rect(3, 2, 11, 13))));
   ASSERT_FALSE(view.counts().isContinuous());
-  for (const DisparityEncoding encoding : kEncodings) {
+  for (const DisparityEncoding encoding : examples::kEncodings) {
     ExpectSamePixels(RoundTrip(Part::kDisparity, view, encoding).counts(), view.counts());
   }
 }
@@ -36,7 +33,7 @@ TEST(DisparityMessage, CarriesMapsOfManySizesInEveryEncoding) {
        {cv::Size(1, 1), cv::Size(1, 50), cv::Size(50, 1), cv::Size(333, 77)}) {
     DisparityImage disparity(size);
     for (int16_t& count : disparity.counts()) count = static_cast<int16_t>(random());
-    for (const DisparityEncoding encoding : kEncodings) {
+    for (const DisparityEncoding encoding : examples::kEncodings) {
       ExpectSamePixels(RoundTrip(Part::kUnfilled, disparity, encoding).counts(),
                        disparity.counts());
     }
@@ -135,7 +132,7 @@ TEST(DepthCountsMessage, IsRefusedWithCountsThatCannotBe) {
 }
 
 TEST(PriorMessage, CarriesDisparitiesAndHowSureTheyAreInEveryEncoding) {
-  for (const DisparityEncoding encoding : kEncodings) {
+  for (const DisparityEncoding encoding : examples::kEncodings) {
     ExpectSamePrior(RoundTrip(Part::kPrior, examples::Prior(), encoding), examples::Prior());
   }
 }
@@ -149,7 +146,7 @@ TEST(PriorMessage, CarriesViewsIntoLargerMapsInEveryEncoding) {
   const PriorMap view(DisparityImage(cv::Mat1s(whole.disparity.counts()(part))),
                       cv::Mat1b(whole.sigma(part)));
   ASSERT_FALSE(view.sigma.isContinuous());
-  for (const DisparityEncoding encoding : kEncodings) {
+  for (const DisparityEncoding encoding : examples::kEncodings) {
     ExpectSamePrior(RoundTrip(Part::kPrior, view, encoding), view);
   }
 }
