@@ -288,6 +288,66 @@ TEST(BatchSystem, AnotherBuildIsComparedAndItsFailuresAreReported) {
   EXPECT_THAT(report, HasSubstr("no luck today"));
 }
 
+void ReplaceAll(std::string& text, const std::string& from, const std::string& to) {
+  for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) {
+    text.replace(at, from.size(), to);
+  }
+}
+
+// What somebody copies from under "compute it again", of the first frame that is shown.
+std::string FirstCommands(const std::string& report) {
+  const std::string begin = "compute it again</summary><pre>";
+  const size_t at = report.find(begin) + begin.size();
+  std::string text = report.substr(at, report.find("</pre>", at) - at);
+  ReplaceAll(text, "&lt;", "<");
+  ReplaceAll(text, "&gt;", ">");
+  ReplaceAll(text, "&quot;", "\"");
+  ReplaceAll(text, "&amp;", "&");
+  return text;
+}
+
+TEST(BatchSystem, TheReportsCommandsComputeAFrameOfALogWithAShellsNameAgain) {
+  const TemporaryDirectory folder;
+  fs::create_directory(folder / "logs");
+  WriteStraddlingLog(folder / "logs/x'$(touch PWNED)'.lcm", "160x120", 0, 5);
+  const Outcome outcome = RunProgramOf(RunCommand(folder / "logs", folder / "out"));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  std::string commands = FirstCommands(BytesOfFile(folder / "out" / "report.html"));
+  ASSERT_THAT(commands, HasSubstr("touch PWNED"));
+  ASSERT_THAT(commands, HasSubstr("sprout-view"));
+  commands.erase(0, commands.find('\n') + 1);  // it would wait for a browser
+  fs::create_directory(folder / "work");
+  const std::string lines = "set -e; cd '" + (folder / "work").string() + "'\n" + commands;
+  Process shell({"sh", "-c", lines});
+  EXPECT_EQ(shell.Wait(std::chrono::seconds(60)), 0) << shell.Output();
+  EXPECT_GT(fs::file_size(folder / "work/grow_a.lcm"), 1000U);
+  EXPECT_FALSE(fs::exists(folder / "work/PWNED"));
+}
+
+TEST(BatchSystem, LogsWhoseNamesCannotBeUsedAreNamedAndTheOthersComputed) {
+  const TemporaryDirectory folder;
+  fs::create_directory(folder / "logs");
+  WriteStraddlingLog(folder / "logs/a.lcm", "160x120", 0, 5);
+  fs::copy_file(folder / "logs/a.lcm", folder / "logs/b\xe4.lcm");
+  fs::copy_file(folder / "logs/a.lcm", folder / "logs/c\nd.lcm");
+  const auto command = RunCommand(folder / "logs", folder / "out");
+  const Outcome outcome = RunProgramOf(command);
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("left out: "));
+  EXPECT_THAT(outcome.output, HasSubstr("b\\xe4.lcm: is not allowed in the manifest"));
+  EXPECT_THAT(outcome.output, HasSubstr("c\\x0ad.lcm: is not allowed in the manifest"));
+  EXPECT_THAT(outcome.output, testing::Not(HasSubstr("will be tried again")));
+  EXPECT_GT(fs::file_size(folder / "out/logs/a_a.lcm"), 1000U);
+  EXPECT_THAT(BytesOfFile(folder / "out" / "report.html"), HasSubstr("b\\xe4.lcm"));
+  const Outcome status = RunProgramOf({"sprout-batch", "status", folder / "out"});
+  EXPECT_EQ(status.exit_code, 1);
+  EXPECT_THAT(status.output, HasSubstr("c\\x0ad.lcm"));
+  const Outcome prefix = RunProgramOf(
+      {"sprout-batch", "run", folder / "logs", "--out", folder / "o2", "--channel-prefix", "x'y"});
+  EXPECT_EQ(prefix.exit_code, 2);
+  EXPECT_THAT(prefix.output, HasSubstr("--channel-prefix 'x'y': allowed are up to"));
+}
+
 // Run inside slurm_cluster, which kills nothing by itself.
 TEST(BatchSlurm, ThirtyLogsGiveTheBytesOfTheLocalEngineThoughANodeAndATaskAreKilled) {
   const char* state = std::getenv("SLURM_STATE");
