@@ -5,11 +5,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "common/app/process.h"
+#include "common/bus/channels.h"
+#include "common/logfile/log_writer.h"
+#include "common/messages/codec.h"
+#include "common/scenes/dataset.h"
 #include "tests/system/eventually.h"
 
 namespace sprout {
@@ -56,6 +62,47 @@ inline std::vector<double> ColumnOf(const std::filesystem::path& out, const std:
     }
   }
   return column;
+}
+
+inline std::string BytesOfFile(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// A log of a moving scene as a slow recorder sees it: RIGHT and TOF of a frame come when LEFT of
+/// the next two frames is there already, TOF of frames 5 and 13 never comes, and the
+/// calibration comes behind the first frames. As with lcm-logger, an event may be older than the
+/// one before it: every third is, and whatever follows one that no stage takes.
+inline void WriteStraddlingLog(const std::filesystem::path& path, const std::string& size,
+                               int64_t first, int64_t frames) {
+  SproutConfig config = LoadConfig({"default"});
+  config.mutable_capture()->set_source("synthetic:" + size);
+  const auto scene = scenes::OpenDataset(config.capture());
+  const std::string rig_id = RigId(scene->rig());
+  LogWriter writer(path);
+  const auto time = [&] {
+    return 1'700'000'000'000'000 + 100'000 * writer.events() -
+           (writer.events() % 3 == 0 ? 150'000 : 0);
+  };
+  const auto write = [&](Part part, int64_t i, const PartValue& value) {
+    const FrameId id{.utime = 1'700'000'000'000'000 + 100'000 * i, .seq = i, .rig_id = rig_id};
+    writer.Write(time(), ChannelOf(part),
+                 EncodePart(id, part, value, DisparityEncoding::kRawInt16));
+  };
+  std::vector<scenes::DatasetFrame> late;
+  for (int64_t i = 0; i < frames + 2; ++i) {
+    if (i < frames) {
+      late.push_back(scene->Get(first + i));
+      write(Part::kLeft, i, late.back().left);
+      writer.Write(time() + 350'000, "OTHER", {});
+    }
+    if (i == 3) write(Part::kRig, i, scene->rig());
+    if (i < 2) continue;
+    const scenes::DatasetFrame& frame = late[static_cast<size_t>(i - 2)];
+    write(Part::kRight, i - 2, frame.right);
+    if (i != 7 && i != 15) write(Part::kTof, i - 2, frame.tof);
+  }
+  writer.Close();
 }
 
 }  // namespace sprout

@@ -10,7 +10,6 @@
 #include "common/logfile/log_reader.h"
 #include "services/tools/batch/manifest.h"
 #include "tests/common/picture/temporary_directory.h"
-#include "tests/system/batch_logs.h"
 #include "tests/system/batch_run.h"
 #include "tests/system/eventually.h"
 

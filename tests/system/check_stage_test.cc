@@ -7,9 +7,11 @@
 
 #include <array>
 #include <csignal>
+#include <sstream>
 
 #include "tests/common/picture/temporary_directory.h"
-#include "tests/system/check_verdict.h"
+#include "tests/system/graph.h"
+#include "tests/system/log_bytes.h"
 
 namespace sprout {
 namespace {
@@ -17,6 +19,31 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+
+// What sprout-check-stage says about a program, on the network that the test runs in.
+struct Verdict {
+  int exit_code;
+  std::vector<std::string> wrong;  // its lines that begin with WRONG
+  std::string output;
+};
+
+// @param arguments  flags and the name of the stage.
+// @param command    the program that is checked.
+Verdict Check(const std::vector<std::string>& arguments, const std::vector<std::string>& command) {
+  std::vector<std::string> check = {ProgramPath("sprout-check-stage")};
+  check.insert(check.end(), arguments.begin(), arguments.end());
+  check.push_back("--");
+  check.insert(check.end(), command.begin(), command.end());
+  Process process(check);
+  Verdict verdict{.exit_code = process.Wait(std::chrono::seconds(240)).value_or(-1),
+                  .wrong = {},
+                  .output = process.Output()};
+  std::istringstream lines(verdict.output);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("WRONG")) verdict.wrong.push_back(line);
+  }
+  return verdict;
+}
 
 Verdict CheckStage(const std::string& stage, const std::vector<std::string>& command,
                    const std::vector<std::string>& flags = {}) {
@@ -31,6 +58,10 @@ Verdict CheckWrongPrior(const std::string& fault) {
                     {"--timeout", "1", "--start-timeout", "5"});
 }
 
+Verdict CheckCapture(const std::vector<std::string>& command) {
+  return Check({"--timeout", "1", "--start-timeout", "5", "capture"}, command);
+}
+
 TEST(CheckStageSystem, PassesOurStages) {
   for (const char* config : {"default", "paper"}) {
     for (const std::string stage : {"refine", "prior", "grow", "temporal"}) {
@@ -43,55 +74,90 @@ TEST(CheckStageSystem, PassesOurStages) {
   }
 }
 
-struct StageFault {
+TEST(CheckCaptureSystem, PassesOurCaptureWithAndWithoutATofCamera) {
+  const std::string capture = ProgramPath("sprout-capture");
+  for (const std::string source :
+       {"synthetic:320x240", "synthetic:320x240?tof=sr4000", "synthetic:320x240?tof=none"}) {
+    const Verdict verdict = CheckCapture({capture, "--source", source});
+    EXPECT_EQ(verdict.exit_code, 0) << source << "\n" << verdict.output;
+    EXPECT_THAT(verdict.output, HasSubstr(" a second; by their utime "));
+    EXPECT_THAT(verdict.output, testing::Not(HasSubstr("not checked")));
+  }
+}
+
+struct Fault {
   std::string name;
   std::string line;  // the only one that begins with WRONG, or its beginning
 };
 
-void PrintTo(const StageFault& fault, std::ostream* out) { *out << fault.name; }
+void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
 
-class CheckStageFaults : public testing::TestWithParam<StageFault> {};
+void ExpectFound(const Fault& fault, const Verdict& verdict) {
+  EXPECT_EQ(verdict.exit_code, 1) << verdict.output;
+  EXPECT_THAT(verdict.wrong, ElementsAre(HasSubstr(fault.line))) << verdict.output;
+}
+
+class CheckStageFaults : public testing::TestWithParam<Fault> {};
 
 TEST_P(CheckStageFaults, AreFoundForTheRightReason) {
-  const Verdict verdict = CheckWrongPrior(GetParam().name);
-  EXPECT_EQ(verdict.exit_code, 1) << verdict.output;
-  EXPECT_THAT(verdict.wrong, ElementsAre(HasSubstr(GetParam().line))) << verdict.output;
+  ExpectFound(GetParam(), CheckWrongPrior(GetParam().name));
 }
 
 INSTANTIATE_TEST_SUITE_P(
     System, CheckStageFaults,
     testing::Values(
-        StageFault{"drops_a_frame", "one answer a frame: frame"},
-        StageFault{"answers_twice", "one answer a frame: frame 0: 2 answers"},
-        StageFault{"changes_seq", "header passed on: an answer with seq = 1"},
-        StageFault{"changes_utime", "header passed on: frame 0: answered with utime = "},
-        StageFault{"changes_rig_id", "header passed on: frame 0: answered with rig_id = '"},
-        StageFault{"half_size", "type, size and encoding: SPROUT_PRIOR, frame 0: a map of 64x48"},
-        StageFault{"other_type", "type, size and encoding: SPROUT_PRIOR, frame 0: fingerprint"},
-        StageFault{"out_of_range",
-                   "values in range: SPROUT_PRIOR, frame 0: disparity -3 px at (0, 0)"},
-        StageFault{"empty", "values in range: SPROUT_PRIOR, frame 0: an empty answer"},
-        StageFault{"remembers", "same frame, same answer: frame"},
-        StageFault{
-            "silent_if_poor",
-            "poor frames answered: frame 0 without any ToF return: no answer on SPROUT_PRIOR"},
-        StageFault{"crashes_on_bad",
-                   "bad messages survived: frame 0 after SPROUT_RIG, no bytes: the "
-                   "program was killed by signal 6"},
-        StageFault{"hangs_on_bad",
-                   "bad messages survived: frame 0 after SPROUT_RIG, no bytes: no "
-                   "answer on SPROUT_PRIOR within 1 s"},
-        StageFault{"believes_bad", "bad messages survived: SPROUT_SEEDS, "},
-        StageFault{"ignores_sigterm", "ends on SIGTERM: still there after 5 s"},
-        StageFault{"ends_early", "the program ended with exit code 0"},
-        StageFault{"ends_at_once",
-                   "starts and answers: frame 0: the program ended with exit code 3"}),
+        Fault{"drops_a_frame", "one answer a frame: frame"},
+        Fault{"answers_twice", "one answer a frame: frame 0: 2 answers"},
+        Fault{"changes_seq", "header passed on: an answer with seq = 1"},
+        Fault{"changes_utime", "header passed on: frame 0: answered with utime = "},
+        Fault{"changes_rig_id", "header passed on: frame 0: answered with rig_id = '"},
+        Fault{"half_size", "type, size and encoding: SPROUT_PRIOR, frame 0: a map of 64x48"},
+        Fault{"other_type", "type, size and encoding: SPROUT_PRIOR, frame 0: fingerprint"},
+        Fault{"out_of_range", "values in range: SPROUT_PRIOR, frame 0: disparity -3 px at (0, 0)"},
+        Fault{"empty", "values in range: SPROUT_PRIOR, frame 0: an empty answer"},
+        Fault{"remembers", "same frame, same answer: frame"},
+        Fault{"silent_if_poor",
+              "poor frames answered: frame 0 without any ToF return: no answer on SPROUT_PRIOR"},
+        Fault{"crashes_on_bad",
+              "bad messages survived: frame 0 after SPROUT_RIG, no bytes: the "
+              "program was killed by signal 6"},
+        Fault{"hangs_on_bad",
+              "bad messages survived: frame 0 after SPROUT_RIG, no bytes: no "
+              "answer on SPROUT_PRIOR within 1 s"},
+        Fault{"believes_bad", "bad messages survived: SPROUT_SEEDS, "},
+        Fault{"ignores_sigterm", "ends on SIGTERM: still there after 5 s"},
+        Fault{"ends_early", "the program ended with exit code 0"},
+        Fault{"ends_at_once", "starts and answers: frame 0: the program ended with exit code 3"}),
     [](const auto& test) { return test.param.name; });
 
-TEST(CheckStageSystem, PassesTheProgramWithoutAFault) {
-  const Verdict verdict = CheckWrongPrior("none");
-  EXPECT_EQ(verdict.exit_code, 0) << verdict.output;
-  EXPECT_THAT(verdict.wrong, IsEmpty());
+class CheckCaptureFaults : public testing::TestWithParam<Fault> {};
+
+TEST_P(CheckCaptureFaults, AreFoundForTheRightReason) {
+  ExpectFound(GetParam(), CheckCapture({ProgramPath("wrong_capture"), GetParam().name}));
+}
+
+// What the course of a check finds, and one fault of the messages; capture_listener_test.cc has the
+// rest.
+INSTANTIATE_TEST_SUITE_P(
+    System, CheckCaptureFaults,
+    testing::Values(
+        Fault{"silent", "sends frames: no whole frame within 5 s; heard on "},
+        Fault{"no_tof", ": SPROUT_LEFT, SPROUT_RIG, SPROUT_RIGHT"},
+        Fault{"ends_at_once",
+              "sends frames: before the first whole frame: the program ended with exit code 3"},
+        Fault{"stops", "of every frame, once: no whole frame for 1 s after 5 of them"},
+        Fault{"rig_once", "and again: no SPROUT_RIG for 3."},
+        Fault{"ends_early",
+              "on SIGTERM: before it was told to, after 5 frames: the program ended with exit"},
+        Fault{"ignores_sigterm", "on SIGTERM: still there after 5 s"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(CheckStageSystem, PassesTheProgramsWithoutAFault) {
+  for (const Verdict& verdict :
+       {CheckWrongPrior("none"), CheckCapture({ProgramPath("wrong_capture"), "none"})}) {
+    EXPECT_EQ(verdict.exit_code, 0) << verdict.output;
+    EXPECT_THAT(verdict.wrong, IsEmpty());
+  }
 }
 
 TEST(CheckStageSystem, FindsAnAnswerOnAnotherChannel) {
@@ -121,6 +187,7 @@ TEST(CheckStageSystem, FindsWhatIsNoTemporalStage) {
 TEST(CheckStageSystem, WhatCannotBeCheckedIsNoVerdict) {
   EXPECT_EQ(CheckStage("depth", {"true"}).exit_code, 2);
   EXPECT_EQ(CheckStage("prior", {"/nonexistent"}).exit_code, 2);
+  EXPECT_EQ(CheckCapture({"/nonexistent"}).exit_code, 2);
   EXPECT_EQ(CheckStage("prior", {"true"}, {"--log", "/nonexistent"}).exit_code, 2);
 }
 

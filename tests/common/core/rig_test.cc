@@ -2,14 +2,47 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <functional>
+#include <locale>
 #include <set>
+#include <stdexcept>
+#include <string>
 
 #include "common/core/digest.h"
-#include "tests/common/core/german_locale.h"
+#include "tests/common/picture/temporary_directory.h"
 
 namespace sprout {
 namespace {
+
+// A program that has set the user's locale, where commas are decimal and dots are not; while it
+// lives. The locale is made where it stands, from what Debian's package locales brings.
+class GermanLocale {
+ public:
+  GermanLocale() {
+    const std::string folder = (folder_ / "de_DE.UTF-8").string();
+    const std::string make = "localedef -i de_DE -f UTF-8 '" + folder + "' 2>&1";
+    if (std::system(make.c_str()) != 0) return;
+    setenv("LOCPATH", (folder_ / "").c_str(), 1);
+    try {
+      std::locale::global(std::locale("de_DE.UTF-8"));  // C's, too
+      is_set_ = true;
+    } catch (const std::runtime_error&) {
+    }
+  }
+  ~GermanLocale() {
+    std::locale::global(std::locale::classic());
+    unsetenv("LOCPATH");
+  }
+  GermanLocale(const GermanLocale&) = delete;
+  GermanLocale& operator=(const GermanLocale&) = delete;
+
+  bool is_set() const { return is_set_; }
+
+ private:
+  TemporaryDirectory folder_;
+  bool is_set_ = false;
+};
 
 Rig ExampleRig() {
   Rig rig;
