@@ -8,6 +8,7 @@
 #include "common/core/image.h"
 #include "common/core/parallel.h"
 #include "common/core/window_sums.h"
+#include "services/refine/stereo/stereo_rules.h"
 #include "services/refine/surface/image_noise.h"
 #include "services/refine/surface/surface_rules.h"
 #include "services/refine/zones/zone_rules.h"
@@ -196,11 +197,17 @@ double Refiner::NoisePx(const cv::Mat1b& left, const cv::Mat1b& right) {
 // Where the ToF camera sees something. What it says of dark regions is not to be believed; of
 // points beside edges it is, since which surface they lie on the prior decides better than stereo.
 // Unsure points do not count either, if they are dense; between coarse ones stereo is asked anyway.
-// Of a sensor that gives noise none counts.
+// If the sensor is off, all are unsure of which a match may be surer. Of a sensor that gives noise
+// none counts.
 std::span<const cv::Point2f> Refiner::Covered(bool dense) {
   covered_.clear();
+  const bool is_off = range_error_.moved_share > 0;
+  const auto is_unsure = [&](const Seed& point) {
+    return is_off ? point.sigma_px > StereoRules::kSharedSigmaPx
+                  : UnsurePoints::Is(point, noise_px_);
+  };
   for (size_t i = 0; i < points_.size(); ++i) {
-    const bool sure = !dense || !UnsurePoints::Is(points_[i].seed, noise_px_);
+    const bool sure = !dense || !is_unsure(points_[i].seed);
     if (fates_[i] != Fate::kDark && fates_[i] != Fate::kOutside && sure && !are_noise_) {
       covered_.emplace_back(points_[i].seed.u, points_[i].seed.v);
     }

@@ -181,6 +181,24 @@ TEST(RangeBias, SaysWhichShareOfThePointsWasMovedFar) {
   EXPECT_NEAR(refiner.range_error().far_moved_share, true_share, 0.05);
 }
 
+// A match may be surer than a point that is noisy; but for a sensor that is right that costs more
+// time than it is worth.
+TEST(RangeBias, StereoIsAskedBesideNoisyPointsOfASensorThatIsOff) {
+  Wall wall;
+  const auto stereo_seeds = [&](double error_m) {
+    cv::RNG random(5);
+    wall.Measure([&](const cv::Point2d&, double depth_m) {
+      const double disparity = wall.rig.pair.DisparityFromDepth(depth_m);
+      return wall.rig.pair.DepthFromDisparity(disparity + random.gaussian(0.5)) + error_m;
+    });
+    const SeedSet set =
+        *Refiner{RefineConfig()}.Compute(wall.left, wall.right, wall.tof, TofProjector(wall.rig));
+    return std::ranges::count(set.seeds, SeedOrigin::kStereo, &Seed::origin);
+  };
+  EXPECT_LT(stereo_seeds(0), 1000);
+  EXPECT_GT(stereo_seeds(0.04), 5000);
+}
+
 TEST(RangeBias, BelievesNoPointOfAMirroredImage) {
   Wall wall;
   cv::flip(wall.tof.depth_m, wall.tof.depth_m, 1);
