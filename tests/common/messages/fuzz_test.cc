@@ -72,7 +72,8 @@ std::string NameOf(const ::testing::TestParamInfo<size_t>& index) {
   return name;
 }
 
-INSTANTIATE_TEST_SUITE_P(AllMessages, Fuzz, ::testing::Range<size_t>(0, 10), NameOf);
+INSTANTIATE_TEST_SUITE_P(AllMessages, Fuzz,
+                         ::testing::Range<size_t>(0, examples::AllWires().size()), NameOf);
 
 }  // namespace
 }  // namespace sprout
