@@ -105,7 +105,7 @@ ScaleContent Scale(const ValueRange& range, const cv::Mat1f& values) {
   return content;
 }
 
-void Frame(cv::Mat3b& picture, const cv::Rect& rect) {
+void DrawRect(cv::Mat3b& picture, const cv::Rect& rect) {
   const int width = std::max(1, picture.cols / 400);
   const cv::Rect outer(rect.x - width, rect.y - width, rect.width + 2 * width,
                        rect.height + 2 * width);
@@ -123,8 +123,8 @@ cv::Mat3b RegionPicture(const Measurement& measurement) {
   }
   const ValueRange range = RobustRange(std::move(values));
   cv::Mat3b picture = Colorize(px, range);
-  Frame(picture, meter.region());
-  if (meter.edge()) Frame(picture, *meter.edge());
+  DrawRect(picture, meter.region());
+  if (meter.edge()) DrawRect(picture, *meter.edge());
   return ScaledPicture(picture, "Disparity and region", DisparityScale(range, &meter.pair()));
 }
 
