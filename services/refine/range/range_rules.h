@@ -119,7 +119,7 @@ struct RangeRules {
   static constexpr double kAgreePx = 2;
   /// The points belong elsewhere if more of the matches agree there, by so many standard deviations
   /// over blocks of the picture, and by more than what agrees nowhere, which stereo has wrong; a
-  /// share of kMoveGain is always enough. Sensors in their place gain up to 0.007 and 2.3 (96
+  /// share of kMoveGain is always enough. Sensors in their place gain up to 0.007 and 2.3 (182
   /// frames, wrong ranges among them); half a pixel of the sensor, which does no harm, 0.036.
   static constexpr int kMoveBlocks = 10;
   static constexpr size_t kFewestCompared = 100;
