@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numbers>
 #include <string_view>
+#include <utility>
 
 #include "common/core/image.h"
 #include "common/core/number_text.h"
@@ -41,16 +42,18 @@ RectifiedCamera AsItComes(const RawRig& rig, RectifiedPair pair) {
   return {.lens = rig.right, .turn = cv::Matx33d::eye(), .pair = pair, .cx = rig.right.cx};
 }
 
+// What comes before a mark, and the rest from it on.
+std::pair<std::string_view, std::string_view> SplitAt(std::string_view text, char mark) {
+  const auto at = std::ranges::find(text, mark);
+  return {{text.begin(), at}, {at, text.end()}};
+}
+
 }  // namespace
 
 RigError::RigError(const std::string& text) {
-  std::string_view rest = text;
-  const size_t question = std::min(rest.find('?'), rest.size());
-  const std::string_view known = rest.substr(question);
-  rest = rest.substr(0, question);
-  const size_t equals = std::min(rest.find('='), rest.size());
-  const std::string_view name = rest.substr(0, equals);
-  const auto size = ParseNumber<double>(rest.substr(std::min(equals + 1, rest.size())));
+  const auto [error, known] = SplitAt(text, '?');
+  const auto [name, value] = SplitAt(error, '=');
+  const auto size = ParseNumber<double>(value.substr(value.empty() ? 0 : 1));
   if (!size || !(*size >= -kMost && *size <= kMost)) throw BadError(text);
   constexpr double kDegree = std::numbers::pi / 180;
   if (name == "rows") {
