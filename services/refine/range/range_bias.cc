@@ -10,8 +10,10 @@
 namespace sprout::refine {
 namespace {
 
+// What became of a point.
 constexpr uint8_t kMoved = 1;
 constexpr uint8_t kMovedFar = 2;
+constexpr uint8_t kFarFromCurve = 4;
 constexpr int kWidestReach = 8;  // of the windows around a point, cells
 constexpr int kReaches[] = {1, 2, 4, kWidestReach};
 
@@ -211,15 +213,20 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
         std::hypot(std::sqrt(error.variance_px2),
                    std::min(curve_.SigmaPx(pair, disparity), data_sheet_px(disparity))));
     if (move_px == 0) return;
-    moved_[i] = std::abs(move_px) > RangeRules::kFarMovePx ? kMovedFar : kMoved;
+    const auto flag = [](double px, uint8_t far) {
+      return std::abs(px) > RangeRules::kFarMovePx ? far : uint8_t{0};
+    };
+    moved_[i] = kMoved | flag(move_px, kMovedFar) | flag(error.offset_px, kFarFromCurve);
     MovePoint(pair, centre, move_px, point);
   });
-  const auto share_of = [&](uint8_t least) {
-    const auto count = std::ranges::count_if(moved_, [&](uint8_t moved) { return moved >= least; });
+  const auto share_of = [&](uint8_t flag) {
+    const auto count =
+        std::ranges::count_if(moved_, [&](uint8_t moved) { return (moved & flag) != 0; });
     return static_cast<double>(count) / static_cast<double>(std::max<size_t>(1, points.size()));
   };
   error_.moved_share = share_of(kMoved);
   error_.far_moved_share = share_of(kMovedFar);
+  error_.far_from_curve_share = share_of(kFarFromCurve);
   return error_;
 }
 

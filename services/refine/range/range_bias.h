@@ -18,9 +18,11 @@ namespace sprout::refine {
 struct RangeError {
   /// What all points share, as a function of depth; empty: the images show nothing.
   std::vector<RangeKnot> curve;
-  bool curve_is_zero = true;      ///< an error is not significant
-  double moved_share = 0;         ///< of the points, 0 to 1
-  double far_moved_share = 0;     ///< the same of those moved by more than kFarMovePx
+  bool curve_is_zero = true;   ///< an error is not significant
+  double moved_share = 0;      ///< of the points, 0 to 1
+  double far_moved_share = 0;  ///< the same of those moved by more than kFarMovePx
+  /// Of those that the scene moved by more than kFarMovePx, beside what the curve moves all by.
+  double far_from_curve_share = 0;
   double contradicted_share = 0;  ///< of the places that have texture to judge by, 0 to 1
   bool rejected = false;          ///< too many of them: no point is believed
 };

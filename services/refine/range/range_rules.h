@@ -105,9 +105,10 @@ struct RangeRules {
   static constexpr double kRejectedShare = 0.22;
 
   // A displaced sensor.
-  /// Asked where more nodes than this share are contradicted, or more points were moved far. Right
-  /// sensors have up to 0.07 and 0, displaced ones that do harm from 0.03 on with few exceptions.
-  static constexpr double kDoubtfulShare = 0.03;
+  /// Asked where more nodes than this share are contradicted, or more points were moved far beside
+  /// the curve, which moves all points at a depth alike. Right sensors have up to 0.07 and 0,
+  /// displaced ones that do harm from 0.0297 on with few exceptions.
+  static constexpr double kDoubtfulShare = 0.025;
   static constexpr double kDoubtfulMoves = 0.2;
   /// Moves that are tried: up to this share of the picture's width, in so many steps to each side,
   /// by so many matches at most; then finer ones.

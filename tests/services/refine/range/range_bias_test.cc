@@ -137,6 +137,7 @@ TEST(RangeBias, SaysItsCurveInMetres) {
   }
   EXPECT_GT(error.moved_share, 0.99);
   EXPECT_GT(error.far_moved_share, 0.9);  // 0.04 m are 0.3 px at the far end
+  EXPECT_EQ(error.far_from_curve_share, 0);
   EXPECT_FALSE(error.rejected);
 }
 
@@ -179,6 +180,7 @@ TEST(RangeBias, SaysWhichShareOfThePointsWasMovedFar) {
   // The bump is more than 0.25 px within 2.23 of its standard deviations of 40 px.
   const double true_share = CV_PI * 2.23 * 40 * 2.23 * 40 / kWallSize.area();
   EXPECT_NEAR(refiner.range_error().far_moved_share, true_share, 0.05);
+  EXPECT_NEAR(refiner.range_error().far_from_curve_share, true_share, 0.05);
 }
 
 // A match may be surer than a point that is noisy; but for a sensor that is right that costs more
