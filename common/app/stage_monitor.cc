@@ -220,7 +220,7 @@ void StageMonitor::SetTofOffset(const TofOffsetStatus& offset) {
   char text[160];
   std::snprintf(text, sizeof text,
                 "the ToF camera's points are off by (%.1f, %.1f) px in the left image: calibrate "
-                "again, or refine { align_tof: true }",
+                "again; refine { align_tof: true } corrects it until then",
                 -static_cast<double>(offset.u_px), -static_cast<double>(offset.v_px));
   HoldLocked(offset_warning_, text, true);
   LogLine(LogLevel::kWarning, text);

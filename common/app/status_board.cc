@@ -111,7 +111,7 @@ std::string CameraText(const StageStatus& s) {
   if (s.tof_offset.IsSignificant()) {
     text += fmt::format(
         "{}: ToF points off by ({:.1f}, {:.1f}) ± {:.1f} px, and edges of depth with them: "
-        "calibrate again, or refine {{ align_tof: true }}\n",
+        "calibrate again; refine {{ align_tof: true }} corrects it until then\n",
         s.stage, -s.tof_offset.u_px, -s.tof_offset.v_px, s.tof_offset.sigma_px);
   }
   return text;

@@ -71,12 +71,14 @@ Result<SeedSet> RefineAdapter::Refine(const Frame& frame) {
   return refiner_.Compute(left, right, *frame.tof, ProjectorOf(*frame.rig), zones);
 }
 
-// What align_tof found, or else what there is to find in a frame that is looked at.
+// What there is to find in a frame that is looked at.
 TofOffsetStatus RefineAdapter::OffsetOf(const Frame& frame, bool refined) {
-  if (!refined || frame.tof->depth_m.empty()) return {};
+  if (!refined || frame.tof->depth_m.empty() || check_tof_every_ == 0 ||
+      frame.id.seq % check_tof_every_ != 0) {
+    return {};
+  }
   TofOffset offset = refiner_.tof_offset();
   if (!aligns_tof_) {
-    if (check_tof_every_ == 0 || frame.id.seq % check_tof_every_ != 0) return {};
     const TofProjector& projector = ProjectorOf(*frame.rig);
     int behind = 0;
     const std::vector<ProjectedPoint> points = projector.Project(*frame.tof, behind);
@@ -88,7 +90,7 @@ TofOffsetStatus RefineAdapter::OffsetOf(const Frame& frame, bool refined) {
   return {.u_px = static_cast<float>(offset.du_px),
           .v_px = static_cast<float>(offset.dv_px),
           .sigma_px = static_cast<float>(std::hypot(offset.sigma_u_px, offset.sigma_v_px)),
-          .is_off = !aligns_tof_ && offset.IsOff()};
+          .is_off = offset.IsOff()};
 }
 
 // Whether the frame was one that is looked at.

@@ -184,6 +184,7 @@ double MeanDistance(const SeedSet& a, const SeedSet& b) {
 TEST(Refiner, MovesThePointsOfATofCameraThatIsOff) {
   RefineConfig config;
   config.set_stereo_seeds(false);
+  config.set_align_tof(false);
   RefineConfig aligning = config;
   aligning.set_align_tof(true);
   Refiner plain(config);
