@@ -1,5 +1,7 @@
 #include "services/pipeline/pipeline.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "common/core/image.h"
@@ -86,6 +88,18 @@ depth::FilterRules RulesOf(const SproutConfig& config) {
   return depth::FilterOf(config.depth(), /*base_from_left=*/{});
 }
 
+// How far the range sensor is off, ranges and pose.
+std::string RangeErrorOf(const ChainReport& report) {
+  std::string text = report.range_error.value_or("");
+  const TofOffsetStatus& offset = report.tof_offset;
+  if (!offset.is_off) return text;
+  if (!text.empty()) text += "; ";
+  return text +
+         fmt::format(
+             "range points are off by ({:.1f}, {:.1f}) px in the left image: calibrate again",
+             -offset.u_px, -offset.v_px);
+}
+
 }  // namespace
 
 Pipeline::Pipeline(const SproutConfig& config)
@@ -117,7 +131,7 @@ Result<DepthFrame> Pipeline::Compute(const cv::Mat& left, const cv::Mat& right, 
   DepthFrame result;
   ChainReport report = chain_->Run(frame, nobody);
   result.warnings = std::move(report.warnings);
-  result.range_error = std::move(report.range_error).value_or("");
+  result.range_error = RangeErrorOf(report);
   result.ranges_refused = report.ranges_refused;
   result.disparity = std::move(*frame.disparity);
   if (frame.fused) {

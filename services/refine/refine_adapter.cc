@@ -73,10 +73,9 @@ Result<SeedSet> RefineAdapter::Refine(const Frame& frame) {
 
 // What there is to find in a frame that is looked at.
 TofOffsetStatus RefineAdapter::OffsetOf(const Frame& frame, bool refined) {
-  if (!refined || frame.tof->depth_m.empty() || check_tof_every_ == 0 ||
-      frame.id.seq % check_tof_every_ != 0) {
-    return {};
-  }
+  if (!refined || frame.tof->depth_m.empty() || check_tof_every_ == 0) return {};
+  if (!first_seq_) first_seq_ = frame.id.seq;
+  if (frame.id.seq != *first_seq_ && frame.id.seq % check_tof_every_ != 0) return {};
   TofOffset offset = refiner_.tof_offset();
   if (!aligns_tof_) {
     const TofProjector& projector = ProjectorOf(*frame.rig);

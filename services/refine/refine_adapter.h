@@ -54,6 +54,7 @@ class RefineAdapter : public StageAdapter {
   bool aligns_tof_;
   int64_t check_tof_every_;
   int64_t check_inputs_every_;
+  std::optional<int64_t> first_seq_;  // whose pose is looked at whatever its number
   bool has_checked_pair_ = false;
   bool has_checked_tof_ = false;
   std::string wrong_input_;  // by the newest check

@@ -99,6 +99,29 @@ TEST(Pipeline, SaysHowSureItIsInEveryPresetWhenAskedTo) {
   }
 }
 
+TEST(Pipeline, SaysThatAPoseIsOffOfTheFirstFrameAndEveryNthOfItsNumber) {
+  CaptureConfig capture;
+  capture.mutable_sr4000()->set_calibration_error_px(4);
+  const evaluate::Scene scene =
+      evaluate::LoadScene("synthetic:640x480", evaluate::TofChoice("sr4000"), capture);
+  for (const bool aligns : {true, false}) {
+    SproutConfig config = LoadConfig({"default", "refine { check_tof_every: 10 }"});
+    config.mutable_refine()->set_align_tof(aligns);
+    Pipeline pipeline(config);
+    for (const int64_t seq : {7, 8, 10}) {
+      const FrameTime time{.utime = seq, .seq = seq};
+      const DepthFrame result = pipeline
+                                    .Compute(scene.frame.left, scene.frame.right, scene.frame.tof,
+                                             scene.projector.rig(), time)
+                                    .value();
+      EXPECT_EQ(
+          result.range_error.find("px in the left image: calibrate again") != std::string::npos,
+          seq != 8)
+          << aligns << ", " << seq << ": " << result.range_error;
+    }
+  }
+}
+
 TEST(Pipeline, GivesTheSameBytesForAnyNumberOfThreadsAndWhateverCameBefore) {
   const evaluate::Scene scene = evaluate::SmallScene();
   const evaluate::Scene other =
