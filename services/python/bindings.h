@@ -29,6 +29,7 @@ struct PyFrame {
   cv::Mat1f depth_m = {};                   ///< when it is known already
   cv::Mat1f disparity_px = {};              ///< the same
   std::vector<std::string> warnings = {};   ///< see DepthFrame
+  std::string range_error = {};             ///< the same
   std::optional<DisparityImage> kept = {};  ///< of which depths and points are, if not all
   bool depth_of_fused = false;              ///< depths and points are those of the fused map
   scenes::GroundTruth truth = {};           ///< of a data set

@@ -357,6 +357,10 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
           "warnings", [](const PyFrame& f) { return f.warnings; },
           "List[str]: which stage had nothing to give, and why.")
       .def_property_readonly(
+          "range_error", [](const PyFrame& f) { return f.range_error; },
+          "str: how far the range sensor is off, its ranges or its pose, as the images show it; "
+          "empty: not at all, or they do not show it.")
+      .def_property_readonly(
           "truth", [](const PyFrame& f) { return ToArray(f.truth.left); },
           "Optional[numpy.ndarray]: (H, W) float32, px, of a data set; NaN: not known.")
       .def_property_readonly(

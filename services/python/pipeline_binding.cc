@@ -67,6 +67,7 @@ class PyPipeline {
     frame.id = {.utime = utime.value_or(0), .seq = seq.value_or(-1), .rig_id = RigId(rig)};
     DepthFrame depth = Work(frame, time);
     result.warnings = std::move(depth.warnings);
+    result.range_error = std::move(depth.range_error);
     if (std::string note = eight_bits_.TakeNote(); !note.empty()) result.warnings.push_back(note);
     result.depth_m = depth.depth_m;
     result.kept = std::move(depth.kept);

@@ -260,6 +260,14 @@ class FrameTest(unittest.TestCase):
         self.assertRegex(" ".join(blind.warnings), "refine: ")
         self.assertFalse(numpy.isfinite(blind.depth_m).any())
 
+    def test_says_how_far_the_range_sensor_is_off(self) -> None:
+        scene = synthetic("640x480")
+        right = sprout.Pipeline().compute(scene.left, scene.right, scene.tof, scene.rig)
+        self.assertEqual(right.range_error, "")
+        off = sprout.Tof(scene.tof.depth_m + 0.1, scene.tof.amplitude)
+        told = sprout.Pipeline().compute(scene.left, scene.right, off, scene.rig).range_error
+        self.assertRegex(told, r"^depths of the range sensor are off by \+\d")
+
     @unittest.skipUnless((BIN / "sprout-evaluate").exists(), "built without SPROUT_EVALUATE")
     def test_is_evaluated_as_sprout_evaluate_does(self) -> None:
         import json
