@@ -72,10 +72,10 @@ Result<SeedSet> RefineAdapter::Refine(const Frame& frame) {
 }
 
 // What there is to find in a frame that is looked at.
-TofOffsetStatus RefineAdapter::OffsetOf(const Frame& frame, bool refined) {
-  if (!refined || frame.tof->depth_m.empty() || check_tof_every_ == 0) return {};
-  if (!first_seq_) first_seq_ = frame.id.seq;
-  if (frame.id.seq != *first_seq_ && frame.id.seq % check_tof_every_ != 0) return {};
+TofOffsetStatus RefineAdapter::OffsetOf(const Frame& frame) {
+  if (frame.tof->depth_m.empty() || check_tof_every_ == 0) return {};
+  if (has_checked_pose_ && frame.id.seq % check_tof_every_ != 0) return {};
+  has_checked_pose_ = true;
   TofOffset offset = refiner_.tof_offset();
   if (!aligns_tof_) {
     const TofProjector& projector = ProjectorOf(*frame.rig);
@@ -195,7 +195,6 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
   }
   outcome.ranges_refused =
       refined.fits && (refiner_.range_error().rejected || refiner_.are_noise());
-  outcome.tof_offset = OffsetOf(frame, refined.fits);
   if (refined.fits) outcome.range_error = RangeErrorText(refiner_.range_error());
   outcome.outputs.push_back({Part::kSeeds, std::move(*seeds)});
   outcome.outputs.push_back({Part::kLeftSeeds, std::move(left_seeds)});
@@ -206,6 +205,7 @@ StageResult RefineAdapter::Process(const Frame& frame) {
   Refined refined = RefineWhole(frame);
   StageResult& outcome = refined.answer;
   if (!refined.fits) return std::move(refined.answer);
+  outcome.tof_offset = OffsetOf(frame);
   // The status has the newest line alone, so one of a frame that lacks seeds has the cure, too.
   if (CheckInput(frame) || !outcome.degenerate.empty()) AddLine(outcome, wrong_input_);
   if (check_inputs_every_ > 0) {

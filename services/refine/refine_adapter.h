@@ -44,7 +44,7 @@ class RefineAdapter : public StageAdapter {
   Refined RefineFrom0(const Frame& frame);
   const TofProjector& ProjectorOf(const Rig& rig);
   Result<SeedSet> Refine(const Frame& frame);
-  TofOffsetStatus OffsetOf(const Frame& frame, bool refined);
+  TofOffsetStatus OffsetOf(const Frame& frame);
   bool CheckInput(const Frame& frame);
 
   PartSet inputs_;
@@ -54,7 +54,7 @@ class RefineAdapter : public StageAdapter {
   bool aligns_tof_;
   int64_t check_tof_every_;
   int64_t check_inputs_every_;
-  std::optional<int64_t> first_seq_;  // whose pose is looked at whatever its number
+  bool has_checked_pose_ = false;
   bool has_checked_pair_ = false;
   bool has_checked_tof_ = false;
   std::string wrong_input_;  // by the newest check
