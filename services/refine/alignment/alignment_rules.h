@@ -59,8 +59,9 @@ struct AlignmentRules {
   static constexpr double kElsewhereCells = 1.5;  ///< offsets this far apart are different
   static constexpr double kMaxSigmaCells = 0.25;
   /// Length of an offset, in standard deviations, above which the calibration is wrong: a right one
-  /// has it once in 270 000 frames, exp(−5² / 2). Right poses have up to 3.4, with wrong ranges 4.1,
-  /// without dark returns 4.2; those that are 3 px off 4.2 and more, 11 of 13 scenes 6.9 and more.
+  /// has it once in 270 000 frames, exp(−5² / 2). Right poses have up to 3.4, with wrong
+  /// ranges 4.1, without dark returns 4.2; those that are 3 px off 4.2 and more, 11 of 13
+  /// scenes 6.9 and more.
   static constexpr double kSignificant = 5;
 };
 
