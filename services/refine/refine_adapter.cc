@@ -196,6 +196,11 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
   outcome.ranges_refused =
       refined.fits && (refiner_.range_error().rejected || refiner_.are_noise());
   if (refined.fits) outcome.range_error = RangeErrorText(refiner_.range_error());
+  if (refined.fits && refiner_.scan_move().is_off) {
+    const std::string errors = outcome.range_error.value_or("");
+    outcome.range_error =
+        ScanMoveText(refiner_.scan_move()) + (errors.empty() ? "" : "; " + errors);
+  }
   outcome.outputs.push_back({Part::kSeeds, std::move(*seeds)});
   outcome.outputs.push_back({Part::kLeftSeeds, std::move(left_seeds)});
   return refined;

@@ -62,18 +62,16 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
         unwrapper_.Apply(left, right, tof, projector, config_.unambiguous_range_m(), points_);
   }
   tof_offset_ = {};
+  scan_move_ = {};
   range_error_ = {};
   place_ = {};
   unanswered_cells_ = 0;
   are_noise_ = false;
-  if (config_.align_tof() && !points_.empty()) {
-    tof_offset_ = aligner_.Estimate(left, right, points_, tof, projector);
-    if (tof_offset_.IsOff()) ApplyOffset(tof_offset_, rig, points_);
-  }
   left_seeds_.seeds.clear();
   left_seeds_.seeds.reserve(points_.size());
   if (!points_.empty()) {
     surface_.Set(rig, points_);
+    if (config_.align_tof()) Align(left, right, tof, projector);
     for (ProjectedPoint& point : points_) point.seed.sigma_px = 0;
     if (config_.range_bias() != RefineConfig::OFF) MoveToTruth(left, right, tof, projector, result);
     noise_px_ =
@@ -103,18 +101,38 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   return result;
 }
 
+// What the estimates of the range sensor's errors look at.
+RangeInput Refiner::InputOf(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig) {
+  return {.left = left,
+          .right = right,
+          .rig = rig,
+          .surface = surface_,
+          .noise_px = surface_.NoisePx(points_),
+          .coarse = stereo_.IsCoarse(surface_.spacing_px(), left.cols)};
+}
+
+// Puts a sensor right whose pose or moment is off.
+void Refiner::Align(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
+                    const TofProjector& projector) {
+  const Rig& rig = projector.rig();
+  if (surface_.has_pixels()) {
+    tof_offset_ = aligner_.Estimate(left, right, points_, tof, projector);
+    if (!tof_offset_.IsOff()) return;
+    ApplyOffset(tof_offset_, rig, points_);
+  } else {
+    scan_move_ = scan_aligner_.Estimate(InputOf(left, right, rig), points_);
+    if (!scan_move_.is_off) return;
+    ApplyMove(scan_move_, rig, points_);
+  }
+  surface_.Set(rig, points_);
+}
+
 // Moves the points to where the images show them, and drops those that they contradict.
 void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                           const TofProjector& projector, SeedSet& result) {
   const Rig& rig = projector.rig();
-  const RangeInput input{.left = left,
-                         .right = right,
-                         .rig = rig,
-                         .surface = surface_,
-                         .noise_px = surface_.NoisePx(points_),
-                         .coarse = stereo_.IsCoarse(surface_.spacing_px(), left.cols)};
   range_error_ = range_.Apply(
-      input,
+      InputOf(left, right, rig),
       {.field = config_.range_bias() == RefineConfig::FIELD, .error_m = config_.range_error_m()},
       points_);
   const bool displaced = IsDisplaced(left, right, tof, projector);

@@ -12,6 +12,7 @@
 #include "common/core/tof_image.h"
 #include "common/core/tof_zones.h"
 #include "common/geometry/projection.h"
+#include "services/refine/alignment/scan_alignment.h"
 #include "services/refine/alignment/tof_alignment.h"
 #include "services/refine/range/range_bias.h"
 #include "services/refine/range/sensor_place.h"
@@ -81,6 +82,8 @@ class Refiner {
   /// How far off the ToF points of the last call were projected, with config.align_tof(). If
   /// IsOff(), they were moved before all rules. Not sure when no offset was searched.
   const TofOffset& tof_offset() const { return tof_offset_; }
+  /// The same of a lidar's scan; the points were moved if it is_off.
+  const ScanMove& scan_move() const { return scan_move_; }
 
   /// How far the range sensor is off in the last call, and how many points were moved for it, with
   /// config.range_bias().
@@ -94,6 +97,9 @@ class Refiner {
               const TofImage& tof) const;
   void KeepReliable(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                     SeedSet& result);
+  RangeInput InputOf(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig);
+  void Align(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
+             const TofProjector& projector);
   void MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                    const TofProjector& projector, SeedSet& result);
   bool IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
@@ -111,7 +117,9 @@ class Refiner {
   bool are_noise_ = false;
   RangeUnwrapper unwrapper_;
   TofAligner aligner_;
+  ScanAligner scan_aligner_;
   TofOffset tof_offset_;
+  ScanMove scan_move_;
   TofSurface surface_;
   RangeBias range_;
   RangeError range_error_;

@@ -63,6 +63,26 @@ struct AlignmentRules {
   /// ranges 4.1, without dark returns 4.2; those that are 3 px off 4.2 and more, 11 of 13
   /// scenes 6.9 and more.
   static constexpr double kSignificant = 5;
+
+  // The scan of a lidar, eqs. (A7) to (A9).
+  static constexpr float kMaxExcess = 0.6F;     ///< the tail of an M-estimator
+  static constexpr double kMovePrice = 0.001;   ///< of a px
+  static constexpr double kMaxMovePx = 32;      ///< longest move that is searched
+  static constexpr double kNearQuantile = 0.9;  ///< of the disparities: that of a near point
+  static constexpr double kFirstStepPx = 4;     ///< across: half a window
+  static constexpr int kMaxSweeps = 12;         ///< of the search along all axes; it ends before
+  /// Points that the search looks at, and those that decide; fewer find fewer scans that are off.
+  static constexpr size_t kFirstScanPoints = 1200;
+  static constexpr size_t kMaxScanPoints = 2500;
+  static constexpr size_t kFewestScanPoints = 100;
+  static constexpr int kBlockWindows = 3;  ///< side of a block within which mistakes go together
+  /// A move is sure from so many standard deviations on: right scans of 4 to 64 beams have up to
+  /// 3.4 (19 frames each; one, that an error of the ranges explains better, 3.8), those that are
+  /// pitched by 0.2 degrees 4.5 and more with 16 beams.
+  static constexpr double kMoveSigmas = 3.5;
+  /// The rig has moved if that gains so many more than a turn alone: turned and right scans have
+  /// up to 2.0, those of 0.1 s before 2.6 to 5.9.
+  static constexpr double kMotionSigmas = 2.5;
 };
 
 }  // namespace sprout::refine

@@ -1,0 +1,228 @@
+#include "services/refine/alignment/scan_alignment.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "common/core/parallel.h"
+#include "common/core/quantile.h"
+#include "services/refine/alignment/alignment_rules.h"
+#include "services/refine/alignment/tof_alignment.h"
+#include "services/refine/range/range_costs.h"
+
+namespace sprout::refine {
+namespace {
+
+using Rules = AlignmentRules;
+
+// Eq. (A7): what the images say against a disparity, beside the best one around.
+float ExcessOf(const OffsetCosts& costs, double offset_px) {
+  const float least = *std::ranges::min_element(costs);
+  return std::min(static_cast<float>(CostAt(costs, offset_px)) - least, Rules::kMaxExcess);
+}
+
+double Mean(const std::vector<float>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+// Eqs. (A9) and (A10): first nearer, then turned. What the rig has passed lies outside the image.
+SlantedPatch Moved(const RectifiedPair& pair, const RangeNode& node, const cv::Point3d& move) {
+  const cv::Point2d centre(pair.cx, pair.cy);
+  const double infinity_px = pair.cx - pair.cx_right;
+  const double nearer = move.z / (pair.focal_px * pair.baseline_m);
+  const double disparity = node.disparity - infinity_px;
+  const double growth = 1 / (1 - nearer * disparity);
+  if (!(growth > 0)) return {{-1, -1}, 0, {}};
+  const double at_centre = disparity - node.slope.dot(node.at - centre);
+  const cv::Point2d ray = growth / pair.focal_px * (node.at - centre);
+  const cv::Point2d turn(move.x, move.y);
+  const double along = turn.dot(ray);
+  return {centre + pair.focal_px * ray + turn + along * ray,
+          growth * disparity * (1 + along / pair.focal_px) + infinity_px,
+          node.slope / (1 - nearer * at_centre)};
+}
+
+}  // namespace
+
+// Up to `most` points spread over the scan, where the images can be compared.
+void ScanAligner::Take(const RangeInput& input, std::span<const ProjectedPoint> points,
+                       size_t most) {
+  const size_t count = std::min(points.size(), most);
+  const double tolerance_px = RangeRules::kSurfacePx + RangeRules::kNoiseSigmas * input.noise_px;
+  constexpr float kUnknown = -1;
+  nodes_.resize(count);
+  ForEachParallel(count, [&](size_t i) {
+    const ProjectedPoint& point = points[i * points.size() / count];
+    const TofSurface::Plane plane = input.surface.PlaneOf(point, tolerance_px);
+    RangeNode& node = nodes_[i];
+    node = {.cell = input.surface.CellOf(point),
+            .at = {point.seed.u, point.seed.v},
+            .disparity = plane.disparity,
+            .slope = plane.slope,
+            .moments = {},
+            .distinctness = kUnknown};
+    // Steeper planes lie across an edge.
+    if (std::max(std::abs(node.slope.x), std::abs(node.slope.y)) > RangeRules::kSteepest) {
+      node.slope = {};
+    }
+    const auto moments = MomentsOf(input.left, input.right, {node.at, node.disparity, node.slope});
+    if (!moments) return;
+    node.costs = CostsOf(*moments, RangeRules::kUnlikeVariance);
+    node.distinctness = DistinctnessOf(node.costs);
+  });
+  std::erase_if(nodes_, [](const RangeNode& node) { return node.distinctness == kUnknown; });
+  excess_here_.clear();
+  std::vector<double> disparities;
+  for (const RangeNode& node : nodes_) {
+    excess_here_.push_back(ExcessOf(node.costs, 0));
+    disparities.push_back(node.disparity);
+  }
+  if (nodes_.empty()) return;
+  const RectifiedPair& pair = input.rig.pair;
+  const double near_m = pair.DepthFromDisparity(Quantile(disparities, Rules::kNearQuantile));
+  m_per_px_ = near_m * near_m / (pair.focal_px * pair.baseline_m);
+}
+
+// The excess of all nodes when moved. What leaves the images says nothing new.
+void ScanAligner::Look(const RangeInput& input, const Move& move,
+                       std::vector<float>& excess) const {
+  excess.resize(nodes_.size());
+  ForEachParallel(nodes_.size(), [&](size_t i) {
+    const auto moments = MomentsOf(input.left, input.right, Moved(input.rig.pair, nodes_[i], move));
+    excess[i] =
+        moments ? ExcessOf(CostsOf(*moments, RangeRules::kUnlikeVariance), 0) : excess_here_[i];
+  });
+}
+
+// Eq. (A8). A rig that drives backwards is slow, so points do not get farther.
+double ScanAligner::CostOf(const RangeInput& input, const Move& move) {
+  if (move == Move()) return Mean(excess_here_);
+  const double length_px =
+      std::sqrt(move.x * move.x + move.y * move.y + std::pow(move.z / m_per_px_, 2));
+  if (move.z < 0 || !(length_px <= Rules::kMaxMovePx)) {
+    return std::numeric_limits<double>::infinity();
+  }
+  Look(input, move, excess_);
+  return Mean(excess_) + Rules::kMovePrice * length_px;
+}
+
+// One step along each axis. The ground shows moves down better than those across.
+std::vector<ScanAligner::Move> ScanAligner::StepsOf(double step_px, Freedom freedom) const {
+  std::vector<Move> steps = {{step_px, 0, 0}, {0, std::max(1.0, step_px / 2), 0}};
+  if (freedom == Freedom::kTurnAndMotion) steps.push_back({0, 0, step_px * m_per_px_});
+  return steps;
+}
+
+// The move that costs least, axis by axis, by steps that are halved.
+ScanAligner::Move ScanAligner::Descend(const RangeInput& input, Move from, double step_px,
+                                       Freedom freedom) {
+  double least = CostOf(input, from);
+  for (int sweep = 0; sweep < Rules::kMaxSweeps; ++sweep) {
+    const Move before = from;
+    for (const Move& step : StepsOf(step_px, freedom)) {
+      const Move start = from;
+      for (const Move& way : {step, -step}) {
+        if (from != start) break;
+        double cost = CostOf(input, from + way);
+        while (cost < least) {
+          least = cost;
+          from = from + way;
+          cost = CostOf(input, from + way);
+        }
+      }
+    }
+    if (step_px == 1 && from == before) break;
+    step_px = std::max(1.0, step_px / 2);
+  }
+  return from;
+}
+
+// By how many standard deviations the images prefer one place to another, over blocks within which
+// mistakes go together: windows that overlap.
+double ScanAligner::GainInSigmas(const std::vector<float>& before,
+                                 const std::vector<float>& after) const {
+  constexpr double kBlockPx = Rules::kBlockWindows * (2 * RangeRules::kWindowRadius + 1);
+  std::map<std::pair<int, int>, double> blocks;
+  double gain = 0;
+  for (size_t i = 0; i < nodes_.size(); ++i) {
+    const double less = double{before[i]} - double{after[i]};
+    gain += less;
+    blocks[{static_cast<int>(nodes_[i].at.x / kBlockPx),
+            static_cast<int>(nodes_[i].at.y / kBlockPx)}] += less;
+  }
+  double variance = 0;
+  for (const auto& [place, less] : blocks) variance += less * less;
+  return variance > 0 ? gain / std::sqrt(variance) : 0;
+}
+
+// How much less the nodes cost without an error of the ranges that all share.
+double ScanAligner::CurveGain(const RangeInput& input) {
+  curve_.Estimate(nodes_, input.rig.pair);
+  double gain = 0;
+  for (size_t i = 0; i < nodes_.size(); ++i) {
+    const double offset_px = curve_.OffsetPx(input.rig.pair, nodes_[i].disparity);
+    gain += double{excess_here_[i]} - double{ExcessOf(nodes_[i].costs, offset_px)};
+  }
+  return gain / static_cast<double>(nodes_.size());
+}
+
+ScanMove ScanAligner::Estimate(const RangeInput& input, std::span<const ProjectedPoint> points) {
+  Take(input, points, Rules::kFirstScanPoints);
+  if (nodes_.size() < Rules::kFewestScanPoints) return {};
+  const double here = CostOf(input, {});
+  const auto is_better = [&](const Move& move) { return CostOf(input, move) < here; };
+  const std::vector<Move> first = StepsOf(Rules::kFirstStepPx, Freedom::kTurnAndMotion);
+  if (std::ranges::none_of(first,
+                           [&](const Move& step) { return is_better(step) || is_better(-step); })) {
+    return {};
+  }
+  turn_.move = Descend(input, {}, Rules::kFirstStepPx, Freedom::kTurn);
+  motion_.move = Descend(input, {}, Rules::kFirstStepPx, Freedom::kTurnAndMotion);
+  Take(input, points, Rules::kMaxScanPoints);
+  turn_.move = Descend(input, turn_.move, 1, Freedom::kTurn);
+  motion_.move = Descend(input, motion_.move, 1, Freedom::kTurnAndMotion);
+  Look(input, turn_.move, turn_.excess);
+  Look(input, motion_.move, motion_.excess);
+  const bool has_moved = GainInSigmas(turn_.excess, motion_.excess) >= Rules::kMotionSigmas;
+  const Candidate& best = has_moved ? motion_ : turn_;
+  const double sigmas = GainInSigmas(excess_here_, best.excess);
+  return {.du_px = best.move.x,
+          .dv_px = best.move.y,
+          .nearer_m = best.move.z,
+          .significance = sigmas,
+          .is_off = sigmas >= Rules::kMoveSigmas &&
+                    Mean(excess_here_) - Mean(best.excess) > CurveGain(input)};
+}
+
+void ApplyMove(const ScanMove& move, const Rig& rig, std::vector<ProjectedPoint>& points) {
+  for (ProjectedPoint& point : points) {
+    Eigen::Vector3d place = PointFromSeed(rig.pair, point.seed);
+    place.z() -= move.nearer_m;
+    if (!(place.z() > 0)) continue;
+    const Seed seed = ProjectToPair(rig.pair, place);
+    point.seed.u = seed.u;
+    point.seed.v = seed.v;
+    point.seed.u_right = seed.u_right;
+  }
+  ApplyOffset({.du_px = move.du_px, .dv_px = move.dv_px}, rig, points);
+}
+
+std::string ScanMoveText(const ScanMove& move) {
+  const std::string beside =
+      fmt::format("({:+.0f}, {:+.0f}) px in the left image", move.du_px, move.dv_px);
+  if (move.nearer_m == 0) {
+    return "the lidar's points fit the pair when moved by " + beside +
+           ", and were: it is turned, or it measures at another moment";
+  }
+  return fmt::format(
+      "the lidar's points fit the pair when moved by {} and {:.2f} m nearer, and were: it measures "
+      "at another moment",
+      beside, move.nearer_m);
+}
+
+}  // namespace sprout::refine

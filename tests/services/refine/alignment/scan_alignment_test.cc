@@ -1,0 +1,220 @@
+#include "services/refine/alignment/scan_alignment.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "common/core/image.h"
+#include "common/scenes/dataset.h"
+#include "services/refine/refine_adapter.h"
+#include "services/refine/refiner.h"
+
+namespace sprout::refine {
+namespace {
+
+using ::testing::HasSubstr;
+
+// What is wrong with a scan.
+struct ScanError {
+  double right_px = 0, down_px = 0;  // its points are projected so far beside their places
+  double farther_m = 0;              // the rig has moved forward since
+  double longer_m = 0;               // its ranges are too long
+};
+
+// A frame of the simulated room, as a lidar sees it from the left camera's place: a return every 4
+// px along beams that are 10 px apart.
+struct ScanScene {
+  explicit ScanScene(const ScanError& error = {}, int64_t index = 0) {
+    CaptureConfig config;
+    config.set_source("synthetic:640x480");
+    config.set_tof("none");
+    const std::unique_ptr<scenes::Dataset> source = scenes::OpenDataset(config);
+    const scenes::DatasetFrame frame = source->Get(index);
+    left = ToGrey(frame.left);
+    right = ToGrey(frame.right);
+    rig.pair = source->rig().pair;
+    rig.tof = TofOverLeft(rig.pair, left.size());
+    tof.depth_m = cv::Mat1f(left.size(), std::numeric_limits<float>::quiet_NaN());
+    for (int v = 3; v < left.rows; v += 10) {
+      for (int u = 1; u < left.cols; u += 4) {
+        const double disparity = double{frame.truth.left(v, u)};
+        if (!(disparity > 0)) continue;
+        Add({u + error.right_px, v + error.down_px}, rig.pair.DepthFromDisparity(disparity), error);
+      }
+    }
+    int behind = 0;
+    points = TofProjector(rig).Project(tof, behind);
+  }
+
+  ScanMove Estimate(ScanAligner aligner = {}) const {
+    TofSurface surface(rig, points);
+    const double noise_px = surface.NoisePx(points);
+    return aligner.Estimate({left, right, rig, surface, noise_px, false}, points);
+  }
+
+  cv::Mat1b left, right;
+  Rig rig;
+  TofImage tof;
+  std::vector<ProjectedPoint> points;
+
+ private:
+  void Add(const cv::Point2d& at, double z, const ScanError& error) {
+    Eigen::Vector3d point((at.x - rig.pair.cx) / rig.pair.focal_px * z,
+                          (at.y - rig.pair.cy) / rig.pair.focal_px * z, z);
+    point *= 1 + error.longer_m / point.norm();
+    point.z() += error.farther_m;
+    const Seed seed = ProjectToPair(rig.pair, point);
+    const cv::Point pixel(static_cast<int>(std::lround(seed.u)),
+                          static_cast<int>(std::lround(seed.v)));
+    if (!cv::Rect({}, tof.depth_m.size()).contains(pixel)) return;
+    tof.depth_m(pixel) = static_cast<float>(point.z());
+  }
+};
+
+TEST(ScanAligner, FindsHowFarAScanIsTurned) {
+  for (const ScanError& error : {ScanError{.right_px = 5}, ScanError{.right_px = -4, .down_px = 3},
+                                 ScanError{.down_px = -4}}) {
+    const ScanMove move = ScanScene(error).Estimate();
+    EXPECT_TRUE(move.is_off) << error.right_px << ", " << error.down_px;
+    EXPECT_NEAR(move.du_px, -error.right_px, 1);
+    EXPECT_NEAR(move.dv_px, -error.down_px, 1);
+    EXPECT_EQ(move.nearer_m, 0);
+  }
+}
+
+TEST(ScanAligner, LeavesARightScanAlone) {
+  for (int64_t frame = 0; frame < 150; frame += 50) {
+    const ScanMove move = ScanScene({}, frame).Estimate();
+    EXPECT_FALSE(move.is_off) << move.du_px << ", " << move.dv_px << ", " << move.nearer_m;
+  }
+}
+
+TEST(ScanAligner, FindsHowFarTheRigHasMovedSinceTheScan) {
+  for (const double farther_m : {0.1, 0.3}) {
+    const ScanMove move = ScanScene({.farther_m = farther_m}).Estimate();
+    EXPECT_TRUE(move.is_off) << farther_m;
+    EXPECT_NEAR(move.nearer_m, farther_m, 0.03);
+    EXPECT_NEAR(move.du_px, 0, 1);
+    EXPECT_NEAR(move.dv_px, 0, 1);
+  }
+}
+
+TEST(ScanAligner, LeavesRangesThatAreOffToTheirOwnEstimate) {
+  const ScanMove move = ScanScene({.longer_m = 0.05}).Estimate();
+  EXPECT_FALSE(move.is_off) << move.du_px << ", " << move.dv_px << ", " << move.nearer_m;
+}
+
+TEST(ScanAligner, MovesNothingThatTheImagesDoNotShow) {
+  const ScanScene scene({.right_px = 5});
+  ScanScene few = scene;
+  few.points.resize(90);
+  EXPECT_EQ(few.Estimate(), ScanMove());
+  ScanScene blank = scene;
+  blank.left = cv::Mat1b(scene.left.size(), uint8_t{100});
+  blank.right = blank.left;
+  EXPECT_FALSE(blank.Estimate().is_off);
+  ScanScene noise = scene;
+  cv::RNG random(1);
+  random.fill(noise.left, cv::RNG::UNIFORM, 0, 255);
+  random.fill(noise.right, cv::RNG::UNIFORM, 0, 255);
+  EXPECT_FALSE(noise.Estimate().is_off);
+  ScanScene far = scene;
+  for (ProjectedPoint& point : far.points) point.seed.u_right = point.seed.u;
+  EXPECT_FALSE(far.Estimate().is_off);
+}
+
+TEST(ScanAligner, GivesTheSameWithAnyNumberOfThreadsAndAnyHistory) {
+  const ScanScene scene({.right_px = 3, .down_px = 2}, 10);
+  const ScanScene other({.farther_m = 0.2}, 90);
+  const int threads = cv::getNumThreads();
+  cv::setNumThreads(1);
+  const ScanMove one = scene.Estimate();
+  cv::setNumThreads(3);
+  ScanAligner aligner;
+  TofSurface surface(other.rig, other.points);
+  aligner.Estimate({other.left, other.right, other.rig, surface, 0, false}, other.points);
+  EXPECT_EQ(scene.Estimate(aligner), one);
+  cv::setNumThreads(threads);
+}
+
+TEST(ApplyMove, TakesBackWhatAScanIsOffBy) {
+  const ScanScene scene;
+  const Eigen::Vector3d place(0.02, -0.01, 2.4);
+  const ProjectedPoint point{0, 0, ProjectToPair(scene.rig.pair, place)};
+  std::vector<ProjectedPoint> points = {point};
+  ApplyMove({.du_px = 2, .dv_px = -3, .nearer_m = 0.4}, scene.rig, points);
+  const Seed expected = ProjectToPair(scene.rig.pair, {place.x(), place.y(), 2});
+  EXPECT_NEAR(points[0].seed.u, expected.u + 2, 0.02);
+  EXPECT_NEAR(points[0].seed.v, expected.v - 3, 0.02);
+  EXPECT_NEAR(points[0].seed.disparity(), expected.disparity(), 0.02);
+  // Behind the cameras nothing can be seen.
+  points = {point};
+  ApplyMove({.nearer_m = 3}, scene.rig, points);
+  EXPECT_EQ(points[0].seed, point.seed);
+}
+
+TEST(ScanMoveText, SaysWhatWasDoneAndWhatItMeans) {
+  EXPECT_EQ(
+      ScanMoveText({.du_px = 2, .dv_px = -3}),
+      "the lidar's points fit the pair when moved by (+2, -3) px in the left image, and were: "
+      "it is turned, or it measures at another moment");
+  EXPECT_THAT(ScanMoveText({.du_px = 0, .dv_px = 1, .nearer_m = 0.74}),
+              HasSubstr("by (+0, +1) px in the left image and 0.74 m nearer, and were: it measures "
+                        "at another moment"));
+}
+
+TEST(Refiner, MovesAScanThatIsOff) {
+  RefineConfig config;
+  config.set_stereo_seeds(false);
+  config.set_range_bias(RefineConfig::OFF);
+  const ScanScene scene({.right_px = 5});
+  const auto seeds_of = [&](Refiner& refiner) {
+    return refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig)).value();
+  };
+  Refiner refiner(config);
+  const SeedSet moved = seeds_of(refiner);
+  EXPECT_TRUE(refiner.scan_move().is_off);
+  EXPECT_FALSE(refiner.tof_offset().sure);
+  const double du_px = refiner.scan_move().du_px;
+  EXPECT_NEAR(du_px, -5, 1);
+  config.set_align_tof(false);
+  Refiner plain(config);
+  const SeedSet as_is = seeds_of(plain);
+  EXPECT_FALSE(plain.scan_move().is_off);
+  const auto at = [](const SeedSet& seeds, int u, int v) {
+    for (const Seed& seed : seeds.seeds) {
+      if (seed.tof_u == u && seed.tof_v == v) return double{seed.u};
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+  };
+  int compared = 0;
+  for (const Seed& seed : as_is.seeds) {
+    const double u = at(moved, seed.tof_u, seed.tof_v);
+    if (std::isnan(u) || std::abs(u - scene.rig.pair.cx) > 100) continue;
+    EXPECT_NEAR(u - double{seed.u}, du_px, 0.25);
+    ++compared;
+  }
+  EXPECT_GT(compared, 500);
+}
+
+TEST(RefineAdapter, SaysThatAScanWasMoved) {
+  RefineAdapter adapter{RefineConfig()};
+  const auto said = [&](const ScanScene& scene) {
+    Frame frame;
+    frame.left = scene.left;
+    frame.right = scene.right;
+    frame.tof = scene.tof;
+    frame.rig = scene.rig;
+    frame.id.rig_id = RigId(scene.rig);
+    return adapter.Process(frame).range_error.value_or("");
+  };
+  EXPECT_THAT(said(ScanScene({.farther_m = 0.3})), HasSubstr("measures at another moment"));
+  EXPECT_EQ(said(ScanScene()), "");
+}
+
+}  // namespace
+}  // namespace sprout::refine
