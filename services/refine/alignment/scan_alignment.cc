@@ -99,14 +99,12 @@ void ScanAligner::Look(const RangeInput& input, const Move& move,
   });
 }
 
-// Eq. (A8). A rig that drives backwards is slow, so points do not get farther.
+// Eq. (A8).
 double ScanAligner::CostOf(const RangeInput& input, const Move& move) {
   if (move == Move()) return Mean(excess_here_);
   const double length_px =
       std::sqrt(move.x * move.x + move.y * move.y + std::pow(move.z / m_per_px_, 2));
-  if (move.z < 0 || !(length_px <= Rules::kMaxMovePx)) {
-    return std::numeric_limits<double>::infinity();
-  }
+  if (!(length_px <= Rules::kMaxMovePx)) return std::numeric_limits<double>::infinity();
   Look(input, move, excess_);
   return Mean(excess_) + Rules::kMovePrice * length_px;
 }
@@ -188,7 +186,8 @@ ScanMove ScanAligner::Estimate(const RangeInput& input, std::span<const Projecte
   motion_.move = Descend(input, motion_.move, 1, Freedom::kTurnAndMotion);
   Look(input, turn_.move, turn_.excess);
   Look(input, motion_.move, motion_.excess);
-  const bool has_moved = GainInSigmas(turn_.excess, motion_.excess) >= Rules::kMotionSigmas;
+  const bool has_moved = GainInSigmas(turn_.excess, motion_.excess) >=
+                         (motion_.move.z > 0 ? Rules::kNearerSigmas : Rules::kFartherSigmas);
   const Candidate& best = has_moved ? motion_ : turn_;
   const double sigmas = GainInSigmas(excess_here_, best.excess);
   return {.du_px = best.move.x,
@@ -220,9 +219,9 @@ std::string ScanMoveText(const ScanMove& move) {
            ", and were: it is turned, or it measures at another moment";
   }
   return fmt::format(
-      "the lidar's points fit the pair when moved by {} and {:.2f} m nearer, and were: it measures "
-      "at another moment",
-      beside, move.nearer_m);
+      "the lidar's points fit the pair when moved by {} and {:.2f} m {}, and were: it measures at "
+      "another moment",
+      beside, std::abs(move.nearer_m), move.nearer_m > 0 ? "nearer" : "farther");
 }
 
 }  // namespace sprout::refine

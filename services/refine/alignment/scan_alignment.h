@@ -17,7 +17,7 @@ namespace sprout::refine {
 struct ScanMove {
   double du_px = 0;  ///< to be added in the left image: the lidar is turned, or the rig turns
   double dv_px = 0;
-  double nearer_m = 0;      ///< to be taken off the depths z: the rig moved since the scan
+  double nearer_m = 0;      ///< to be taken off the depths z: the rig moved forward since the scan
   double significance = 0;  ///< what the images gain by the move, in standard deviations
   bool is_off = false;      ///< the move is sure
 

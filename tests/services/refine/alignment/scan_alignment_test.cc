@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 // What is wrong with a scan.
 struct ScanError {
   double right_px = 0, down_px = 0;  // its points are projected so far beside their places
-  double farther_m = 0;              // the rig has moved forward since
+  double farther_m = 0;              // the rig has moved forward since; less than 0: is yet to
   double longer_m = 0;               // its ranges are too long
 };
 
@@ -93,8 +93,8 @@ TEST(ScanAligner, LeavesARightScanAlone) {
   }
 }
 
-TEST(ScanAligner, FindsHowFarTheRigHasMovedSinceTheScan) {
-  for (const double farther_m : {0.1, 0.3}) {
+TEST(ScanAligner, FindsHowFarTheRigMovesBetweenScanAndPair) {
+  for (const double farther_m : {0.1, 0.3, -0.3}) {
     const ScanMove move = ScanScene({.farther_m = farther_m}).Estimate();
     EXPECT_TRUE(move.is_off) << farther_m;
     EXPECT_NEAR(move.nearer_m, farther_m, 0.03);
@@ -165,6 +165,8 @@ TEST(ScanMoveText, SaysWhatWasDoneAndWhatItMeans) {
   EXPECT_THAT(ScanMoveText({.du_px = 0, .dv_px = 1, .nearer_m = 0.74}),
               HasSubstr("by (+0, +1) px in the left image and 0.74 m nearer, and were: it measures "
                         "at another moment"));
+  EXPECT_THAT(ScanMoveText({.du_px = 0, .dv_px = 1, .nearer_m = -0.74}),
+              HasSubstr("and 0.74 m farther, and"));
 }
 
 TEST(Refiner, MovesAScanThatIsOff) {
