@@ -64,7 +64,7 @@ struct AlignmentRules {
   /// scenes 6.9 and more.
   static constexpr double kSignificant = 5;
 
-  // The scan of a lidar, eqs. (A7) to (A9).
+  // The scan of a lidar, eqs. (A7) to (A10).
   static constexpr float kMaxExcess = 0.6F;     ///< the tail of an M-estimator
   static constexpr double kMovePrice = 0.001;   ///< of a px
   static constexpr double kMaxMovePx = 32;      ///< longest move that is searched

@@ -32,7 +32,7 @@ class ScanAligner {
  public:
   /// @param points  those of input.surface.
   /// @returns a move that is not off if there is none, or if an error of the ranges that all points
-  /// share explains the images better: eqs. (A7) to (A9) of the README.
+  /// share explains the images better: eqs. (A7) to (A10) of the README.
   /// O(points), 0.25 µs a look at a point: 1200 points are looked at in six places, and in about 60
   /// if one of these is better. No I/O; on OpenCV's threads, with the same result for any number.
   ScanMove Estimate(const RangeInput& input, std::span<const ProjectedPoint> points);
