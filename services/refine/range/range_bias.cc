@@ -160,7 +160,10 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
   contradicted_.assign(points.size(), 0);
   nodes_.Set(input, points);
   const std::span<const RangeNode> nodes = nodes_.nodes();
-  curve_.Estimate(nodes, pair);
+  // Between a lidar's beams, and where nodes are few, slopes are not known well enough.
+  const bool has_slopes =
+      !input.coarse || (input.surface.has_pixels() && nodes.size() >= RangeRules::kFewestOfField);
+  curve_.Estimate(nodes, pair, /*stiff=*/input.coarse);
   for (const RangeKnot& knot : curve_.knots()) {
     const double px_per_m = pair.focal_px * pair.baseline_m / (knot.depth_m * knot.depth_m);
     error_.curve.push_back(
@@ -184,8 +187,7 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
     nodes_.Link();
     start_px_.clear();
     for (const RangeNode& node : nodes) start_px_.push_back(curve_.OffsetPx(pair, node.disparity));
-    // Where points are far apart their slopes are not known well enough.
-    field_.Estimate(nodes_, start_px_, !input.coarse);
+    field_.Estimate(nodes_, start_px_, has_slopes);
     error_.contradicted_share = JudgeNodes();
     if (error_.contradicted_share > RangeRules::kRejectedShare) {
       error_.rejected = true;
@@ -195,9 +197,17 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
     // By then all may seem to fit: who looks far enough finds a likeness anywhere.
     if (LookAgain(input)) JudgeNodes();
   }
+  // Few points can hardly show that their sensor is off; so they have to show that it is not.
+  const bool is_right =
+      curve_.is_zero() && (!input.coarse || curve_.IsShownRight(nodes, pair, settings.error_m));
+  const auto curve_sigma_px = [&](double disparity) {
+    return is_right ? 0 : std::min(curve_.SigmaPx(pair, disparity), data_sheet_px(disparity));
+  };
   const bool has_field = settings.field && MarkAsked();
   if (!has_field && curve_.is_zero()) {
-    for (ProjectedPoint& point : points) point.seed.sigma_px = 0;
+    for (ProjectedPoint& point : points) {
+      point.seed.sigma_px = static_cast<float>(curve_sigma_px(point.seed.disparity()));
+    }
     return error_;
   }
   moved_.assign(points.size(), 0);
@@ -209,9 +219,8 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
         has_field ? ErrorOf(input.surface, point) : PointError{.variance_px2 = 0};
     const double move_px = curve_.OffsetPx(pair, disparity) + error.offset_px;
     contradicted_[i] = error.contradicted ? 1 : 0;
-    point.seed.sigma_px = static_cast<float>(
-        std::hypot(std::sqrt(error.variance_px2),
-                   std::min(curve_.SigmaPx(pair, disparity), data_sheet_px(disparity))));
+    point.seed.sigma_px =
+        static_cast<float>(std::hypot(std::sqrt(error.variance_px2), curve_sigma_px(disparity)));
     if (move_px == 0) return;
     const auto flag = [](double px, uint8_t far) {
       return std::abs(px) > RangeRules::kFarMovePx ? far : uint8_t{0};

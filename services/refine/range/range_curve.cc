@@ -99,6 +99,13 @@ struct RangeCurve::Bin {
   Votes votes{};
 };
 
+// λ₀, λ₁, λ₂ of eq. (R5).
+struct RangeCurve::Prices {
+  double moved = RangeRules::kCurveMoved;
+  double per_px = RangeRules::kCurvePerPx;
+  double step = RangeRules::kCurveStep;
+};
+
 void RangeCurve::Vote(std::span<const RangeNode> nodes, const RectifiedPair& pair, Bin& bin) const {
   for (const Voter& voter : bin.voters) {
     bin.depth_m += voter.depth_m / static_cast<double>(bin.voters.size());
@@ -110,21 +117,25 @@ void RangeCurve::Vote(std::span<const RangeNode> nodes, const RectifiedPair& pai
     }
   }
   bin.px_per_m = pair.focal_px * pair.baseline_m / (bin.depth_m * bin.depth_m);
-  for (int k = 0; k < kCandidates; ++k) {
-    const double off_px = std::abs(k - kNoError) * step_m_ * bin.px_per_m;
-    bin.votes[static_cast<size_t>(k)] +=
-        (k == kNoError ? 0 : RangeRules::kCurveMoved) + RangeRules::kCurvePerPx * off_px;
-  }
 }
 
 // The cheapest path through the candidates of all knots, then between candidates by a parabola.
-void RangeCurve::FindPath(std::span<const Bin> bins) {
+void RangeCurve::FindPath(std::span<const Bin> bins, const Prices& prices) {
   const size_t count = bins.size();
+  std::vector<Votes> costs(count);
+  for (size_t b = 0; b < count; ++b) {
+    costs[b] = bins[b].votes;
+    for (int k = 0; k < kCandidates; ++k) {
+      const double off_px = std::abs(k - kNoError) * step_m_ * bins[b].px_per_m;
+      costs[b][static_cast<size_t>(k)] +=
+          (k == kNoError ? 0 : prices.moved) + prices.per_px * off_px;
+    }
+  }
   std::vector<Votes> sums(count);
   std::vector<std::array<int, kCandidates>> from(count);
-  sums[0] = bins[0].votes;
+  sums[0] = costs[0];
   // The price of a metre, everywhere as high as where a metre shows most.
-  const double price = RangeRules::kCurveStep * step_m_ * bins[0].px_per_m;
+  const double price = prices.step * step_m_ * bins[0].px_per_m;
   for (size_t b = 1; b < count; ++b) {
     for (int k = 0; k < kCandidates; ++k) {
       double best = std::numeric_limits<double>::infinity();
@@ -134,19 +145,20 @@ void RangeCurve::FindPath(std::span<const Bin> bins) {
         best = sum;
         from[b][static_cast<size_t>(k)] = j;
       }
-      sums[b][static_cast<size_t>(k)] = bins[b].votes[static_cast<size_t>(k)] + best;
+      sums[b][static_cast<size_t>(k)] = costs[b][static_cast<size_t>(k)] + best;
     }
   }
   std::vector<int> path(count);
   path.back() = static_cast<int>(std::min_element(sums.back().begin(), sums.back().end()) -
                                  sums.back().begin());
   for (size_t b = count - 1; b > 0; --b) path[b - 1] = from[b][static_cast<size_t>(path[b])];
+  knots_.clear();
   for (size_t b = 0; b < count; ++b) {
     double candidate = path[b] - kNoError;
     const auto at = static_cast<size_t>(std::clamp(path[b], 1, kCandidates - 2));
-    const double before = bins[b].votes[at - 1];
-    const double behind = bins[b].votes[at + 1];
-    const double curvature = before + behind - 2 * bins[b].votes[at];
+    const double before = costs[b][at - 1];
+    const double behind = costs[b][at + 1];
+    const double curvature = before + behind - 2 * costs[b][at];
     if (path[b] != kNoError && curvature > 1e-6) {
       candidate += std::clamp((before - behind) / (2 * curvature), -0.5, 0.5);
     }
@@ -154,17 +166,44 @@ void RangeCurve::FindPath(std::span<const Bin> bins) {
   }
 }
 
-// By how many standard deviations the nodes prefer the curve to no error. With the weights of the
-// votes, few nodes would decide.
-double RangeCurve::GainInSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair) const {
+// Prices draw a curve to 0, so that it does not explain what the scene adds. Where it is known to
+// be off, and nothing else is estimated, they only make it wrong.
+void RangeCurve::Stiffen(std::span<const RangeNode> nodes, const RectifiedPair& pair,
+                         std::span<const Bin> bins) {
+  const double bent_sigmas = GainInSigmas(nodes, pair);
+  std::vector<RangeKnot> bent = knots_;
+  FindPath(bins, {.moved = 0, .per_px = 0, .step = RangeRules::kStiffStep});
+  if (GainInSigmas(nodes, pair) < bent_sigmas - RangeRules::kBentSigmas) knots_ = std::move(bent);
+}
+
+// By how many standard deviations the nodes prefer the errors (m) at their depths to no error. With
+// the weights of the votes, few nodes would decide.
+template <typename ErrorAt>
+double RangeCurve::GainInSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair,
+                                const ErrorAt& error_at) const {
   BlockSums gains(blocks_);
   for (const Voter& voter : voters_) {
     const RangeNode& node = nodes[voter.node];
-    const double off = OffsetOfError(pair, voter.depth_m, At(voter.depth_m).error_m);
+    const double off = OffsetOfError(pair, voter.depth_m, error_at(voter.depth_m));
     gains.Add(node, node.distinctness * (VoteAt(node, 0) - VoteAt(node, off)));
   }
   const double sigma = gains.Sigma();
   return sigma > 0 ? gains.Total() / sigma : 0;
+}
+
+double RangeCurve::GainInSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair) const {
+  return GainInSigmas(nodes, pair, [&](double depth_m) { return At(depth_m).error_m; });
+}
+
+bool RangeCurve::IsShownRight(std::span<const RangeNode> nodes, const RectifiedPair& pair,
+                              double error_m) const {
+  if (knots_.empty()) return false;
+  const double near_m = knots_.front().depth_m;
+  const double most_px = pair.focal_px * pair.baseline_m / (near_m * near_m) * error_m;
+  if (most_px < RangeRules::kUnsurePx) return true;
+  return std::ranges::all_of(std::array{error_m, -error_m}, [&](double off_m) {
+    return GainInSigmas(nodes, pair, [&](double) { return off_m; }) < -RangeRules::kRightSigmas;
+  });
 }
 
 // The standard deviations of an M-estimate: the spread of the votes' slopes over their curvature.
@@ -190,7 +229,7 @@ void RangeCurve::SetSigmas(std::span<const RangeNode> nodes, const RectifiedPair
   });
 }
 
-void RangeCurve::Estimate(std::span<const RangeNode> nodes, const RectifiedPair& pair) {
+void RangeCurve::Estimate(std::span<const RangeNode> nodes, const RectifiedPair& pair, bool stiff) {
   knots_.clear();
   voters_.clear();
   is_zero_ = true;
@@ -224,10 +263,12 @@ void RangeCurve::Estimate(std::span<const RangeNode> nodes, const RectifiedPair&
     bins[b].scale = static_cast<double>(count) / total;
     Vote(nodes, pair, bins[b]);
   });
-  FindPath(bins);
+  FindPath(bins, {});
   is_zero_ = GainInSigmas(nodes, pair) < RangeRules::kSureSigmas;
   if (is_zero_) {
     for (RangeKnot& knot : knots_) knot.error_m = 0;
+  } else if (stiff) {
+    Stiffen(nodes, pair, bins);
   }
   SetSigmas(nodes, pair, bins);
 }
@@ -251,7 +292,7 @@ double RangeCurve::OffsetPx(const RectifiedPair& pair, double disparity) const {
 
 double RangeCurve::SigmaPx(const RectifiedPair& pair, double disparity) const {
   const double depth_m = pair.DepthFromDisparity(disparity);
-  if (is_zero_ || !(depth_m > 0)) return 0;
+  if (!(depth_m > 0)) return 0;
   return pair.focal_px * pair.baseline_m / (depth_m * depth_m) * At(depth_m).sigma_m;
 }
 

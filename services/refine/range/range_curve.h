@@ -20,16 +20,24 @@ struct RangeKnot {
 /// errors in metres; the curve through the votes that costs least is taken if it is significant.
 class RangeCurve {
  public:
+  /// @param stiff  whether the error is much the same at all depths, as a lidar's is, and nothing
+  ///               else explains what nodes are off by: then the curve is drawn neither to 0 nor
+  ///               from knot to knot, as long as it is about as significant.
   /// O(nodes · candidates); no I/O; on OpenCV's threads, with the same result for any number.
-  void Estimate(std::span<const RangeNode> nodes, const RectifiedPair& pair);
+  void Estimate(std::span<const RangeNode> nodes, const RectifiedPair& pair, bool stiff);
 
   /// The knots, sorted by depth; empty when too few nodes show anything.
   std::span<const RangeKnot> knots() const { return knots_; }
   bool is_zero() const { return is_zero_; }
 
+  /// Whether the nodes prefer depths as measured to depths that are all off by ±error_m, or this is
+  /// a part of a px only. Of the last Estimate(). O(nodes).
+  bool IsShownRight(std::span<const RangeNode> nodes, const RectifiedPair& pair,
+                    double error_m) const;
+
   /// What a disparity has to be moved by, px.
   double OffsetPx(const RectifiedPair& pair, double disparity) const;
-  /// Standard deviation of that, px; 0 where the curve is 0.
+  /// Standard deviation of that, px.
   double SigmaPx(const RectifiedPair& pair, double disparity) const;
 
  private:
@@ -39,10 +47,16 @@ class RangeCurve {
     size_t node = 0;
   };
   struct Bin;
+  struct Prices;
 
   void Vote(std::span<const RangeNode> nodes, const RectifiedPair& pair, Bin& bin) const;
-  void FindPath(std::span<const Bin> bins);
+  void FindPath(std::span<const Bin> bins, const Prices& prices);
+  void Stiffen(std::span<const RangeNode> nodes, const RectifiedPair& pair,
+               std::span<const Bin> bins);
   double GainInSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair) const;
+  template <typename ErrorAt>
+  double GainInSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair,
+                      const ErrorAt& error_at) const;
   void SetSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair,
                  std::span<const Bin> bins);
   RangeKnot At(double depth_m) const;

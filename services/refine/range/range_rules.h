@@ -44,18 +44,31 @@ struct RangeRules {
   static constexpr double kCurveMoved = 0.02;   ///< price of an error that is not 0
   static constexpr double kCurvePerPx = 0.002;  ///< price of a px of it
   static constexpr double kCurveStep = 0.03;    ///< price of a px of change at the nearest knot
+  /// The same once a lidar is known to be off, and by how many standard deviations less than the
+  /// bent curve the stiff one may gain. Right scans, and those turned by 0.2 degrees, lose nothing
+  /// by it; with 0.5 a turned one of 19 does; a price three times as high, not four: ranges of
+  /// +0.5 m 18.99, not 18.77 (NOTES.md).
+  static constexpr double kStiffStep = 4 * kCurveStep;
+  static constexpr double kBentSigmas = 0.4;
   /// The curve must gain as many standard deviations, by blocks of so many cells squared, within
   /// which mistakes go together. Right sensors stay below 3.0, scans of a few beams below 3.4 but
   /// for one frame of 19, since the slope between two beams is not known; one that is off by 10 mm
   /// has 4.0 and more even where there is hardly any texture.
   static constexpr int kBlockCells = 6;
   static constexpr double kSureSigmas = 3.5;
+  /// Points that are far apart are believed without an error only if the images prefer their depths
+  /// to ones that the data sheet allows, by so many standard deviations: right ones by 1.1 and more
+  /// where an error would show, others by −0.2 at most but for one that wiggles (1.2).
+  static constexpr double kRightSigmas = 1;
   /// Standard deviation of what all votes at a depth err alike, px, for people: 600 knots of twelve
   /// scenes are off by 0.98 standard deviations r.m.s., without it by 4.1. Growth needs no more
   /// than what differs from point to point.
   static constexpr double kCurveSharedPx = 0.25;
 
   // The field, eqs. (R6) and (R7).
+  /// Fewer nodes of a camera whose points are far apart show no patches: a point every 80 px of
+  /// 1.4 MP gives 100 to 150 nodes, every 40 px 310 to 760.
+  static constexpr size_t kFewestOfField = 250;
   static constexpr float kFieldPerPx = 0.004F;
   static constexpr float kFieldSmallStep = 0.05F;  ///< P1
   static constexpr float kFieldLargeStep = 0.3F;   ///< P2

@@ -13,22 +13,24 @@
 namespace sprout::refine {
 namespace {
 
-constexpr int kTofStep = 5;  // image px a ToF pixel
-const cv::Size kTofSize(100, 70);
-const cv::Size kWallSize(kTofStep* kTofSize.width, kTofStep* kTofSize.height);
+constexpr int kTofStep = 5;      // image px a ToF pixel
+constexpr int kCoarseStep = 10;  // more than 1.5 cells of stereo
+const cv::Size kWallSize(500, 350);
 
 // A wall that turns away: d = 20 + 0.06 u px, so between 1.1 and 2.7 m.
 double TruthPx(double u) { return 20 + 0.06 * u; }
 
 // With texture in both images, and a ToF camera in the left camera's place that sees every fifth
-// pixel.
+// pixel, or fewer.
 struct Wall {
+  int step;
   Rig rig;
   cv::Mat1b left{kWallSize};
   cv::Mat1b right{kWallSize};
-  TofImage tof{.depth_m = cv::Mat1f(kTofSize), .amplitude = {}};
+  TofImage tof;
 
-  explicit Wall(double contrast = 1) {
+  explicit Wall(double contrast = 1, int step_px = kTofStep)
+      : step(step_px), tof{.depth_m = cv::Mat1f(kWallSize / step), .amplitude = {}} {
     rig.pair = {.width = kWallSize.width,
                 .height = kWallSize.height,
                 .focal_px = 540,
@@ -36,14 +38,19 @@ struct Wall {
                 .cy = 175,
                 .cx_right = 250,
                 .baseline_m = 0.1};
-    rig.tof.width = kTofSize.width;
-    rig.tof.height = kTofSize.height;
-    rig.tof.fx = rig.tof.fy = rig.pair.focal_px / kTofStep;
-    rig.tof.cx = rig.pair.cx / kTofStep;
-    rig.tof.cy = rig.pair.cy / kTofStep;
+    rig.tof.width = tof.depth_m.cols;
+    rig.tof.height = tof.depth_m.rows;
+    rig.tof.fx = rig.tof.fy = rig.pair.focal_px / step;
+    rig.tof.cx = rig.pair.cx / step;
+    rig.tof.cy = rig.pair.cy / step;
     cv::RNG(7).fill(left, cv::RNG::UNIFORM, 0, 256);
     cv::GaussianBlur(left, left, {}, 1.2);
     left = 128 + contrast * (left - 128);
+    ShowOnTheRight();
+    Measure([](const cv::Point2d&, double depth_m) { return depth_m; });
+  }
+
+  void ShowOnTheRight() {
     // Right column x shows the left column u with u − d(u) = x.
     cv::Mat1f columns(kWallSize);
     cv::Mat1f rows(kWallSize);
@@ -54,16 +61,22 @@ struct Wall {
       }
     }
     cv::remap(left, right, columns, rows, cv::INTER_CUBIC, cv::BORDER_REFLECT);
-    Measure([](const cv::Point2d&, double depth_m) { return depth_m; });
+  }
+
+  // Grey, but for a piece.
+  void KeepTextureIn(const cv::Rect& piece) {
+    const cv::Mat1b texture = left(piece).clone();
+    left = 128;
+    texture.copyTo(left(piece));
+    ShowOnTheRight();
   }
 
   // @param measured  what the sensor says of a true depth, m, at a position in the left image.
   void Measure(const std::function<double(const cv::Point2d&, double)>& measured) {
-    for (int j = 0; j < kTofSize.height; ++j) {
-      for (int i = 0; i < kTofSize.width; ++i) {
-        const double true_m = rig.pair.DepthFromDisparity(TruthPx(kTofStep * i));
-        tof.depth_m(j, i) =
-            static_cast<float>(measured(cv::Point2d(kTofStep * i, kTofStep * j), true_m));
+    for (int j = 0; j < tof.depth_m.rows; ++j) {
+      for (int i = 0; i < tof.depth_m.cols; ++i) {
+        const double true_m = rig.pair.DepthFromDisparity(TruthPx(step * i));
+        tof.depth_m(j, i) = static_cast<float>(measured(cv::Point2d(step * i, step * j), true_m));
       }
     }
   }
@@ -139,6 +152,29 @@ TEST(RangeBias, SaysItsCurveInMetres) {
   EXPECT_GT(error.far_moved_share, 0.9);  // 0.04 m are 0.3 px at the far end
   EXPECT_EQ(error.far_from_curve_share, 0);
   EXPECT_FALSE(error.rejected);
+}
+
+// A piece of texture is too little to move all points, but enough not to believe them.
+TEST(RangeBias, BelievesCoarsePointsOnlyWhereImagesShowThemRight) {
+  constexpr double kErrorM = 0.03;
+  Wall wall(1, kCoarseStep);
+  for (const Seed& seed : wall.Refine(RefineConfig::FIELD, kErrorM).seeds) {
+    EXPECT_NEAR(seed.sigma_px, 0.05, 0.01);
+  }
+  wall.KeepTextureIn({200, 150, 60, 60});
+  wall.Measure([&](const cv::Point2d&, double depth_m) { return depth_m + kErrorM; });
+  const SeedSet set = wall.Refine(RefineConfig::FIELD, kErrorM);
+  ASSERT_GT(set.seeds.size(), 1000U);
+  EXPECT_LT(ShareWithin(set, 0.1), 0.1);
+  for (const Seed& seed : set.seeds) EXPECT_GT(seed.sigma_px, 0.1) << seed.u << " " << seed.v;
+}
+
+TEST(RangeBias, FollowsWhatTheSceneAddsBetweenCoarsePoints) {
+  Wall wall(1, kCoarseStep);
+  wall.Measure(
+      [&](const cv::Point2d& at, double depth_m) { return Bumped(wall.rig.pair, at, depth_m); });
+  EXPECT_LT(ShareWithin(wall.Refine(RefineConfig::CURVE), 0.75), 0.96);
+  EXPECT_GT(ShareWithin(wall.Refine(RefineConfig::FIELD), 0.75), 0.98);
 }
 
 TEST(RangeBias, FollowsWhatTheSceneAddsOnlyWithTheField) {

@@ -1,0 +1,62 @@
+#include "services/refine/range/range_curve.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <vector>
+
+namespace sprout::refine {
+namespace {
+
+const RectifiedPair kPair{.width = 1242, .height = 375, .focal_px = 721, .baseline_m = 0.54};
+
+// Nodes of a scan from 5 to 50 m whose depths are all too large by error_m. Near ones show it
+// clearly; far ones, where it is a part of a px, have little texture and disagree.
+std::vector<RangeNode> NodesOffBy(double error_m) {
+  constexpr int kNodes = 900;
+  cv::RNG random(3);
+  std::vector<RangeNode> nodes(kNodes);
+  for (int i = 0; i < kNodes; ++i) {
+    RangeNode& node = nodes[static_cast<size_t>(i)];
+    node.cell = {i % 30, i / 30};
+    const double depth_m = 5 * std::pow(10, double{random.uniform(0.0F, 1.0F)});
+    node.disparity = kPair.DisparityFromDepth(depth_m);
+    const double off_px = kPair.DisparityFromDepth(depth_m - error_m) - node.disparity;
+    const double least = off_px + random.gaussian(depth_m > 10 ? 1.0 : 0.3);
+    const double depth = depth_m > 10 ? 0.25 : 0.7;
+    for (int k = 0; k < RangeRules::kLabels; ++k) {
+      const double away = RangeRules::OffsetPx(k) - least;
+      node.costs[static_cast<size_t>(k)] =
+          static_cast<float>(0.8 - depth * std::exp(-away * away / 2));
+    }
+    node.distinctness = DistinctnessOf(node.costs);
+  }
+  return nodes;
+}
+
+// The furthest that a knot lies from the true error, m.
+double WorstOf(const RangeCurve& curve, double error_m) {
+  double worst = 0;
+  for (const RangeKnot& knot : curve.knots()) {
+    worst = std::max(worst, std::abs(knot.error_m - error_m));
+  }
+  return worst;
+}
+
+TEST(RangeCurve, OfALidarIsDrawnNeitherToZeroNorFromKnotToKnot) {
+  constexpr double kErrorM = 0.3;
+  const std::vector<RangeNode> nodes = NodesOffBy(kErrorM);
+  RangeCurve bent;
+  bent.Estimate(nodes, kPair, /*stiff=*/false);
+  RangeCurve stiff;
+  stiff.Estimate(nodes, kPair, /*stiff=*/true);
+  ASSERT_FALSE(bent.is_zero());
+  ASSERT_FALSE(stiff.is_zero());
+  EXPECT_GT(WorstOf(bent, kErrorM), 0.12);
+  EXPECT_LT(WorstOf(stiff, kErrorM), 0.06);
+}
+
+}  // namespace
+}  // namespace sprout::refine
