@@ -22,7 +22,7 @@ struct RangeInput {
   const Rig& rig;
   const TofSurface& surface;  ///< of the points
   double noise_px = 0;        ///< standard deviation of the points' noise
-  bool coarse = false;        ///< whether slopes between points are not known, as with few beams
+  bool coarse = false;        ///< whether points are far apart, as with few beams
 };
 
 /// A range point whose surface is compared in both images.
