@@ -35,6 +35,12 @@ struct PairRules {
   static constexpr double kSureOrder = 2;        ///< standard deviations: 2.3 to 7 were seen
   /// 12 bits in 16 without a shift use as many of 8.
   static constexpr double kFewLevels = 15;
+  /// Grey levels, standard deviation: less than the noise of a camera that sees something.
+  static constexpr double kBlank = 1.5;
+  /// The same picture twice: so many of the matches are at one place, to so many px. Of a pair only
+  /// what is thousands of baselines away is.
+  static constexpr double kSamePx = 0.3;
+  static constexpr double kSameShare = 0.95;
 };
 
 Finding JudgeScene(const Matches& matches, const PairModel& model) {
@@ -125,6 +131,13 @@ void JudgeOrder(const cv::Mat1b& left, const cv::Mat1b& right, const PairModel& 
   }
 }
 
+bool AreOnePicture(const std::vector<Match>& matches) {
+  const auto same = std::ranges::count_if(matches, [](const Match& match) {
+    return std::hypot(match.disparity(), match.rows()) < PairRules::kSamePx;
+  });
+  return static_cast<double>(same) >= PairRules::kSameShare * static_cast<double>(matches.size());
+}
+
 Finding JudgeSides(const cv::Mat1b& left, const cv::Mat1b& right, const RectifiedPair& pair,
                    const PairModel& model, const RangeModel* ranges) {
   Finding finding{.question = Question::kSides};
@@ -138,11 +151,11 @@ Finding JudgeSides(const cv::Mat1b& left, const cv::Mat1b& right, const Rectifie
       ranges != nullptr && ranges->as_is.compared >= 25 && ranges->as_is.share() > 0.7;
   const bool ranges_say_swapped = ranges != nullptr && ranges->swapped.compared >= 25 &&
                                   ranges->swapped.share() > 0.7 && ranges->as_is.share() < 0.3;
-  std::vector<double> disparities;
-  for (const Match& match : model.inliers) disparities.push_back(std::abs(match.disparity()));
-  if (Median(disparities) < 0.5 && cv::norm(left, right, cv::NORM_INF) == 0) {
+  if (AreOnePicture(model.inliers)) {
     finding.verdict = Verdict::kBad;
-    finding.text = "left and right are the same picture: is one file given twice?";
+    finding.text =
+        "left and right are the same picture: is one file given twice, or is everything too far "
+        "for this baseline?";
   } else if (ranges_say_swapped ||
              (behind > PairRules::kManyBehind && behind_if_swapped < PairRules::kFewBehind)) {
     finding.verdict = Verdict::kBad;
@@ -195,6 +208,13 @@ cv::Mat1b SomeRows(const cv::Mat1b& image) {
   return {(image.rows + 3) / 4, image.cols, const_cast<uint8_t*>(image.data), 4 * image.step[0]};
 }
 
+// Standard deviation of the grey values.
+double ContrastOf(const cv::Mat1b& image) {
+  cv::Scalar mean, sigma;
+  cv::meanStdDev(SomeRows(image), mean, sigma);
+  return sigma[0];
+}
+
 Finding JudgeBits(const cv::Mat1b& left, const cv::Mat1b& right) {
   Finding finding{.question = Question::kBits, .sigma = 0};
   double of_left = 0;
@@ -202,7 +222,16 @@ Finding JudgeBits(const cv::Mat1b& left, const cv::Mat1b& right) {
   cv::minMaxLoc(SomeRows(left), nullptr, &of_left);
   cv::minMaxLoc(SomeRows(right), nullptr, &of_right);
   finding.value = 100 * std::min(of_left, of_right) / 255;
-  if (finding.value * 2.55 <= PairRules::kFewLevels) {
+  const double left_contrast = ContrastOf(left);
+  const double right_contrast = ContrastOf(right);
+  if (finding.value * 2.55 > PairRules::kFewLevels &&
+      std::min(left_contrast, right_contrast) < PairRules::kBlank) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format(
+        "the {} image is blank: its grey values differ by {:.1f} from their mean; is the camera "
+        "covered, or blinded?",
+        left_contrast < right_contrast ? "left" : "right", std::min(left_contrast, right_contrast));
+  } else if (finding.value * 2.55 <= PairRules::kFewLevels) {
     finding.verdict = Verdict::kBad;
     finding.text = fmt::format(
         "the brightest grey values are {:.0f} and {:.0f} of 255: images of 10 or 12 bits in 16 "

@@ -42,8 +42,9 @@ struct UnitRow {
 constexpr UnitRow kUnits[] = {
     {1000.0 / 256, "is the file in 1/256 m, and read as mm? --tof-unit 1/256"},
     {1000.0 / 5000, "is the file in 1/5000 m, and read as mm? --tof-unit 1/5000"},
-    {1e-3, "are they in mm, and read as m? --tof-unit mm"},
-    {1e3, "are they in m, and read as mm? --tof-unit m"},
+    {1e-3,
+     "are they in mm, and read as m (--tof-unit mm), or is the baseline in m, and read as mm?"},
+    {1e3, "are they in m, and read as mm (--tof-unit m), or is the baseline in mm, and read as m?"},
     {10, "are they in cm, and read as mm? --tof-unit cm"},
     {1e-2, "are they in cm, and read as m? --tof-unit cm"},
     {0.1, "are they in 1/10 mm, and read as mm? --tof-unit 1/10000"},

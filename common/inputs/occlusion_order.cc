@@ -46,6 +46,17 @@ cv::Mat1f Disparities(const cv::Mat1b& left, const cv::Mat1b& right, int least, 
   return disparities;
 }
 
+// The image with the brightness and contrast of another one: matches compare grey values.
+cv::Mat1b Alike(const cv::Mat1b& image, const cv::Mat1b& other) {
+  cv::Scalar mean, sigma, other_mean, other_sigma;
+  cv::meanStdDev(image, mean, sigma);
+  cv::meanStdDev(other, other_mean, other_sigma);
+  const double gain = other_sigma[0] / std::max(1.0, sigma[0]);
+  cv::Mat1b alike;
+  image.convertTo(alike, CV_8U, gain, other_mean[0] - gain * mean[0]);
+  return alike;
+}
+
 cv::Mat1b Mirrored(const cv::Mat1b& image) {
   cv::Mat1b mirrored;
   cv::flip(image, mirrored, 1);
@@ -163,6 +174,7 @@ OcclusionOrder FindOcclusionOrder(const cv::Mat1b& left, const cv::Mat1b& right,
     small_right = Halved(small_right);
     shrink *= 2;
   }
+  small_right = Alike(small_right, small_left);
   const int least = static_cast<int>(std::floor(least_px / shrink)) - OrderRules::kMarginPx;
   const int most = static_cast<int>(std::ceil(most_px / shrink)) + OrderRules::kMarginPx;
   const int count = (most - least + 15) / 16 * 16;  // StereoSGBM takes multiples of 16

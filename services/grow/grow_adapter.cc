@@ -1,5 +1,6 @@
 #include "services/grow/grow_adapter.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -44,7 +45,10 @@ GrowAdapter::Growth GrowAdapter::GrowFrom0(const Frame& frame) {
 
 ConfidenceEstimator::Judgement GrowAdapter::Judge(const Frame& frame, const Growth& growth,
                                                   const DisparityImage& filled) {
-  if (growth.refused) {
+  // Where nothing grew the pair shows nothing; of its own seeds not even one was confirmed.
+  const bool has_ranges = std::ranges::any_of(
+      growth.seeds, [](const Seed& seed) { return seed.origin == SeedOrigin::kTof; });
+  if (growth.refused || (!growth.map.AnyValid() && !has_ranges)) {
     return {cv::Mat1b(filled.size(), uint8_t{0}), cv::Mat1b(filled.size(), kMaxSigmaCounts)};
   }
   const cv::Mat1b left = ToGrey(GreyestLeft(frame), left_grey_);

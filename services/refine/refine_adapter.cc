@@ -188,13 +188,21 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
     AddLine(outcome, "the images contradict the range points in " + std::to_string(percent) +
                          " % of the places where they could show it: none is believed");
   }
+  if (refined.fits && refiner_.range_error().absurd) {
+    const RangeKnot& absurd = *refiner_.range_error().absurd;
+    AddLine(outcome,
+            fmt::format("ranges are off by {:+.2f} m at {:.2f} m, more than a sensor can be: "
+                        "none is believed; are their unit, the focal length and the "
+                        "baseline right?",
+                        absurd.error_m, absurd.depth_m));
+  }
   if (refined.fits && refiner_.are_noise()) {
     AddLine(outcome, std::to_string(seeds->loose) + " of " + std::to_string(seeds->raw) +
                          " range points differ from all around them, as noise does: none is "
                          "believed");
   }
   outcome.ranges_refused =
-      refined.fits && (refiner_.range_error().rejected || refiner_.are_noise());
+      refined.fits && (refiner_.range_error().Refuses() || refiner_.are_noise());
   if (refined.fits) outcome.range_error = RangeErrorText(refiner_.range_error());
   if (refined.fits && refiner_.scan_move().is_off) {
     const std::string errors = outcome.range_error.value_or("");

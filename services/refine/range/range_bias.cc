@@ -183,6 +183,12 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
     return error_;
   }
   error_.curve_is_zero = curve_.is_zero();
+  for (const RangeKnot& knot : error_.curve) {
+    if (std::abs(knot.error_m) <= RangeRules::kMostOfDepth * knot.depth_m) continue;
+    error_.absurd = knot;
+    contradicted_.assign(points.size(), 1);
+    return error_;
+  }
   if (settings.field) {
     nodes_.Link();
     start_px_.clear();

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,6 +26,10 @@ struct RangeError {
   double far_from_curve_share = 0;
   double contradicted_share = 0;  ///< of the places that have texture to judge by, 0 to 1
   bool rejected = false;          ///< too many of them: no point is believed
+  /// The curve is farther from 0 than a sensor's error can be, at this knot: no point is believed.
+  std::optional<RangeKnot> absurd = std::nullopt;
+
+  bool Refuses() const { return rejected || absurd; }
 };
 
 /// What is estimated.

@@ -56,6 +56,9 @@ struct RangeRules {
   /// has 4.0 and more even where there is hardly any texture.
   static constexpr int kBlockCells = 6;
   static constexpr double kSureSigmas = 3.5;
+  /// A range sensor is off by centimetres, or a part in a hundred; where ranges are off by so great
+  /// a part of the depth their unit, the focal length or the baseline is wrong.
+  static constexpr double kMostOfDepth = 0.2;
   /// Points that are far apart are believed without an error only if the images prefer their depths
   /// to ones that the data sheet allows, by so many standard deviations: right ones by 1.1 and more
   /// where an error would show, others by −0.2 at most but for one that wiggles (1.2).

@@ -32,7 +32,7 @@ std::vector<RangeKnot> ShownKnots(const std::vector<RangeKnot>& curve) {
 }  // namespace
 
 std::optional<std::string> RangeErrorText(const RangeError& error) {
-  if (error.curve.empty() || error.rejected) return std::nullopt;
+  if (error.curve.empty() || error.Refuses()) return std::nullopt;
   const std::string moved = fmt::format("{:.0f} % of its points were moved by more than {} px",
                                         100 * error.far_moved_share, RangeRules::kFarMovePx);
   if (error.curve_is_zero) {

@@ -139,6 +139,15 @@ TEST(CheckInputs, SaysByWhatOccludesThatSidesAreSwappedWherePrincipalPointsHideI
   EXPECT_EQ(parts.Answer(Question::kSides).verdict, Verdict::kBad);
 }
 
+TEST(CheckInputs, TellsSidesByWhatOccludesWhateverTheExposure) {
+  Parts parts = BoardsBeforeAWall();
+  for (const auto& [gain, offset] : {std::pair{0.7, 0}, {0.9, 25}}) {
+    parts.right.convertTo(parts.right, CV_8U, gain, offset);
+    const Finding finding = parts.Answer(Question::kSides);
+    EXPECT_EQ(finding.verdict, Verdict::kGood) << finding.text;
+  }
+}
+
 // One plane: nothing occludes.
 TEST(CheckInputs, CannotTellSidesWherePrincipalPointsHideThemAndNothingOccludes) {
   Parts parts = SceneOf("synthetic:640x480?tof=none");
@@ -154,6 +163,21 @@ TEST(CheckInputs, SaysThatOneFileIsGivenTwice) {
   Parts parts = SceneOf();
   parts.right = parts.left;
   EXPECT_THAT(parts.Answer(Question::kSides).text, HasSubstr("same picture"));
+  // Not byte by byte: one of them was compressed again.
+  cv::Mat1b noise(parts.left.size());
+  cv::RNG(2).fill(noise, cv::RNG::UNIFORM, 0, 5);
+  parts.right = parts.left + noise;
+  const Finding finding = parts.Answer(Question::kSides);
+  EXPECT_EQ(finding.verdict, Verdict::kBad);
+  EXPECT_THAT(finding.text, HasSubstr("same picture"));
+}
+
+TEST(CheckInputs, SaysThatAnImageIsBlank) {
+  Parts parts = SceneOf();
+  parts.right = cv::Mat1b(parts.right.size(), uint8_t{128});
+  const Finding finding = parts.Answer(Question::kBits);
+  EXPECT_EQ(finding.verdict, Verdict::kBad);
+  EXPECT_THAT(finding.text, HasSubstr("right image is blank"));
 }
 
 TEST(CheckInputs, SaysThatPrincipalPointsDoNotFit) {

@@ -118,6 +118,21 @@ TEST(GrowAdapter, SaysWhyAFrameHasNoDisparity) {
   EXPECT_EQ(MapOf(outcome, Part::kDisparity).CountValid(), 0);
 }
 
+// A camera that is covered: stereo still finds a few seeds at its border.
+TEST(GrowAdapter, IsSureOfNothingWhereNothingGrew) {
+  GrowAdapter adapter{GrowConfig()};
+  Frame frame = FlatFrame({40, 30});
+  cv::RNG(1).fill(frame.left, cv::RNG::UNIFORM, 0, 256);
+  const auto confidence_of = [&](SeedOrigin origin) {
+    for (Seed& seed : frame.seeds->seeds) seed.origin = origin;
+    const StageResult outcome = adapter.Process(frame);
+    EXPECT_THAT(outcome.degenerate, HasSubstr("nothing grew"));
+    return cv::countNonZero(std::get<cv::Mat>(outcome.outputs.at(1).value));
+  };
+  EXPECT_EQ(confidence_of(SeedOrigin::kStereo), 0);
+  EXPECT_GT(confidence_of(SeedOrigin::kTof), 0);
+}
+
 TEST(GrowAdapter, GoesOnAfterADegenerateFrame) {
   GrowAdapter adapter{GrowConfig()};
   const StageResult before = adapter.Process(FlatFrame({40, 30}));

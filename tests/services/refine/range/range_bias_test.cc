@@ -259,6 +259,24 @@ TEST(RangeBias, RefusesASensorByTheFirstLookAlone) {
   EXPECT_EQ(set.contradicted, set.raw - set.outside);
 }
 
+// As where the baseline is given as a part of what it is.
+TEST(RangeBias, BelievesNoPointIfRangesAreFartherOffThanASensorCanBe) {
+  Wall wall;
+  // At disparities of which as much is within what costs reach.
+  wall.Measure(
+      [&](const cv::Point2d& at, double depth_m) { return at.x < 150 ? 1.3 * depth_m : 0; });
+  for (const auto bias : {RefineConfig::CURVE, RefineConfig::FIELD}) {
+    RefineConfig config;
+    config.set_range_bias(bias);
+    Refiner refiner(config);
+    const SeedSet set = *refiner.Compute(wall.left, wall.right, wall.tof, TofProjector(wall.rig));
+    ASSERT_TRUE(refiner.range_error().absurd);
+    EXPECT_NEAR(refiner.range_error().absurd->error_m / refiner.range_error().absurd->depth_m,
+                1 - 1 / 1.3, 0.06);
+    EXPECT_EQ(set.contradicted, set.raw - set.outside);
+  }
+}
+
 TEST(RangeBias, TakesTheDataSheetsErrorWhereImagesShowNothing) {
   Wall wall(0);  // grey
   const SeedSet set = wall.Refine(RefineConfig::FIELD, 0.02);
