@@ -48,13 +48,10 @@ struct LostFrames {
 /// stuck. May be empty.
 using Waiting = std::function<void()>;
 
-/// A source of rectified frames, used like a camera.
-class FrameSource {
+/// Where triplets come from: cameras, or what is used like them.
+class TripletSource {
  public:
-  virtual ~FrameSource() = default;
-
-  /// Calibration of the first frame, and of all others until one with a new_rig.
-  virtual const Rig& rig() const = 0;
+  virtual ~TripletSource() = default;
 
   /// Whether frames come when the cameras give them; otherwise when they are asked for.
   virtual bool is_live() const = 0;
@@ -70,6 +67,13 @@ class FrameSource {
 
   /// What was lost after the last frame, once Next() has returned nothing.
   virtual LostFrames lost_at_end() const { return {}; }
+};
+
+/// A source of rectified triplets.
+class FrameSource : public TripletSource {
+ public:
+  /// Calibration of the first frame, and of all others until one with a new_rig.
+  virtual const Rig& rig() const = 0;
 };
 
 }  // namespace sprout::scenes

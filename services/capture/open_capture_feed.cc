@@ -47,7 +47,7 @@ std::unique_ptr<CaptureFeed> OpenCameraFeed(const CaptureConfig& config, const F
                                             StageMonitor& monitor) {
   OpenedCameras opened =
       OpenCameras(config.source(), options.loop, options.waiting, /*calibrated=*/!options.raw);
-  if (options.raw) return FeedFrom(std::move(opened.cameras), config, monitor);
+  if (options.raw) return RawFeedFrom(std::move(opened.cameras), config, monitor);
   if (!opened.rig) {
     throw ConfigError("capture.source = " + config.source() +
                       ": no calibration; allowed: ?rig=FILE with one that sprout-calibrate has "

@@ -2,8 +2,6 @@
 #define SPROUT_SERVICES_CAPTURE_RAW_SOURCE_H_
 
 #include <memory>
-#include <optional>
-#include <stop_token>
 #include <string>
 
 #include "common/core/result.h"
@@ -14,22 +12,7 @@
 namespace sprout::capture {
 
 /// Cameras: raw triplets, neither rectified nor with corrected ranges.
-class RawSource {
- public:
-  virtual ~RawSource() = default;
-
-  /// Whether frames come when the cameras give them; otherwise when they are asked for (files).
-  virtual bool is_live() const = 0;
-
-  /// See FrameSource::is_recorded().
-  virtual bool is_recorded() const { return false; }
-
-  /// See FrameSource::Next().
-  virtual std::optional<scenes::CapturedFrame> Next(const std::stop_token& stop) = 0;
-
-  /// See FrameSource::lost_at_end().
-  virtual scenes::LostFrames lost_at_end() const { return {}; }
-};
+using RawSource = scenes::TripletSource;
 
 /// Rectifies the images of a frame and corrects its ranges. A ToF image of 0×0 stays empty. The
 /// error names an image of another size than the calibrated one.

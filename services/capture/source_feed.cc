@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <functional>
 #include <utility>
 
 #include "common/app/log_limiter.h"
@@ -15,16 +14,11 @@ namespace {
 
 class SourceFeed : public CaptureFeed {
  public:
-  using Take = std::function<std::optional<scenes::CapturedFrame>(const std::stop_token&)>;
-  using LostAtEnd = std::function<scenes::LostFrames()>;
-
   // If there is no rig, frames are not rectified. `current` is null when that is done elsewhere.
-  SourceFeed(Take take, LostAtEnd lost_at_end, Timing timing, std::optional<Rig> rig,
+  SourceFeed(std::unique_ptr<scenes::TripletSource> source, std::optional<Rig> rig,
              std::shared_ptr<CurrentRig> current, const CaptureConfig& config,
              StageMonitor& monitor)
-      : take_(std::move(take)),
-        lost_at_end_(std::move(lost_at_end)),
-        timing_(timing),
+      : source_(std::move(source)),
         rig_(std::move(rig)),
         current_(std::move(current)),
         config_(config),
@@ -33,13 +27,13 @@ class SourceFeed : public CaptureFeed {
   }
 
   std::optional<CaptureMessages> Next(const std::stop_token& stop) override {
-    std::optional<scenes::CapturedFrame> frame = take_(stop);
+    std::optional<scenes::CapturedFrame> frame = source_->Next(stop);
     if (!frame) {
-      Tell(lost_at_end_());
+      Tell(source_->lost_at_end());
       return std::nullopt;
     }
     Tell({.count = frame->lost, .trouble = frame->trouble});
-    if (timing_ == Timing::kLive) monitor_.SetSpread(frame->spread_ms);
+    if (source_->is_live()) monitor_.SetSpread(frame->spread_ms);
     SayClockSetBack(frame->utime);
     // Captures are told apart by their time even when the clock is set back.
     newest_.utime = std::max(frame->utime.value_or(NowUtime()), newest_.utime + 1);
@@ -58,7 +52,10 @@ class SourceFeed : public CaptureFeed {
     return EncodePart(id, Part::kRig, *rig_, DisparityEncoding::kRawInt16);
   }
 
-  Timing timing() const override { return timing_; }
+  Timing timing() const override {
+    if (source_->is_live()) return Timing::kLive;
+    return source_->is_recorded() ? Timing::kRecorded : Timing::kAsked;
+  }
 
   std::shared_ptr<CurrentRig> current_rig() const override { return current_; }
 
@@ -70,7 +67,7 @@ class SourceFeed : public CaptureFeed {
 
   // Warns if the clock of live cameras was set back. A recording may begin again.
   void SayClockSetBack(std::optional<int64_t> utime) {
-    if (timing_ != Timing::kLive || !utime) return;
+    if (!source_->is_live() || !utime) return;
     const int64_t before = std::exchange(cameras_utime_, *utime);
     if (*utime >= before || !clock_log_.Pass(StageMonitor::Clock::now())) return;
     monitor_.Warn(
@@ -79,9 +76,7 @@ class SourceFeed : public CaptureFeed {
                     static_cast<double>(before - *utime) * 1e-6));
   }
 
-  Take take_;
-  LostAtEnd lost_at_end_;
-  Timing timing_;
+  std::unique_ptr<scenes::TripletSource> source_;
   std::optional<Rig> rig_;
   std::shared_ptr<CurrentRig> current_;
   CaptureConfig config_;
@@ -90,12 +85,6 @@ class SourceFeed : public CaptureFeed {
   int64_t cameras_utime_ = 0;  // of the newest frame, by the cameras
   LogLimiter clock_log_;
 };
-
-// Timing of a FrameSource or a RawSource.
-Timing TimingOf(const auto& source) {
-  if (source.is_live()) return Timing::kLive;
-  return source.is_recorded() ? Timing::kRecorded : Timing::kAsked;
-}
 
 }  // namespace
 
@@ -119,21 +108,13 @@ CaptureMessages BehindCalibration(std::vector<uint8_t> calibration, CaptureMessa
 std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<scenes::FrameSource> source,
                                       const CaptureConfig& config, StageMonitor& monitor,
                                       std::shared_ptr<CurrentRig> rig) {
-  const Timing timing = TimingOf(*source);
   const Rig first = source->rig();
-  const std::shared_ptr<scenes::FrameSource> shared = std::move(source);
-  return std::make_unique<SourceFeed>(
-      [shared](const std::stop_token& stop) { return shared->Next(stop); },
-      [shared] { return shared->lost_at_end(); }, timing, first, std::move(rig), config, monitor);
+  return std::make_unique<SourceFeed>(std::move(source), first, std::move(rig), config, monitor);
 }
 
-std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<RawSource> cameras,
-                                      const CaptureConfig& config, StageMonitor& monitor) {
-  const Timing timing = TimingOf(*cameras);
-  const std::shared_ptr<RawSource> shared = std::move(cameras);
-  return std::make_unique<SourceFeed>(
-      [shared](const std::stop_token& stop) { return shared->Next(stop); },
-      [shared] { return shared->lost_at_end(); }, timing, std::nullopt, nullptr, config, monitor);
+std::unique_ptr<CaptureFeed> RawFeedFrom(std::unique_ptr<RawSource> cameras,
+                                         const CaptureConfig& config, StageMonitor& monitor) {
+  return std::make_unique<SourceFeed>(std::move(cameras), std::nullopt, nullptr, config, monitor);
 }
 
 }  // namespace sprout::capture

@@ -26,8 +26,8 @@ std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<scenes::FrameSource> sourc
                                       std::shared_ptr<CurrentRig> rig = nullptr);
 
 /// Frames of cameras as they see, for --raw; the frames have no rig_id.
-std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<RawSource> cameras,
-                                      const CaptureConfig& config, StageMonitor& monitor);
+std::unique_ptr<CaptureFeed> RawFeedFrom(std::unique_ptr<RawSource> cameras,
+                                         const CaptureConfig& config, StageMonitor& monitor);
 
 /// LEFT, RIGHT, TOF and RIG of a log, byte for byte as recorded, with their own utime and seq. A
 /// frame with a missing or refused message is counted and not sent: no stage could answer it.

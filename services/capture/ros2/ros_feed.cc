@@ -42,7 +42,7 @@ std::unique_ptr<CaptureFeed> OpenRosFeed(const CaptureConfig& config, const Feed
                         monitor.CapturesFailed(lost.count, lost.trouble);
                       }},
       .stop = options.stop};
-  if (options.raw) return FeedFrom(OpenRawRosSource(config.source(), ros), config, monitor);
+  if (options.raw) return RawFeedFrom(OpenRawRosSource(config.source(), ros), config, monitor);
   std::unique_ptr<scenes::FrameSource> source = OpenRosSource(config.source(), ros);
   return source ? FeedFrom(std::move(source), config, monitor) : nullptr;
 }

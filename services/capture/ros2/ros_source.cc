@@ -79,7 +79,7 @@ RosLimits LimitsFor(cv::Size images, cv::Size tof) {
 }
 
 // Frames of messages, whatever becomes of them.
-class RosFrames {
+class RosFrames : public RawSource {
  public:
   // @param watch  nothing when CameraInfo does not count.
   RosFrames(RosOpener opener, std::unique_ptr<RosInput> input, std::optional<cv::Size> size,
@@ -92,9 +92,10 @@ class RosFrames {
         image_(std::move(image)),
         triplets_(opener_.settings(), size_, image_) {}
 
-  bool is_live() const { return input_->is_live(); }
+  bool is_live() const override { return input_->is_live(); }
+  bool is_recorded() const override { return !is_live(); }
 
-  std::optional<scenes::CapturedFrame> Next(const std::stop_token& stop) {
+  std::optional<scenes::CapturedFrame> Next(const std::stop_token& stop) override {
     while (!stop.stop_requested()) {
       if (std::optional<scenes::CapturedFrame> frame = TakeFrame()) return frame;
       RosBytes message;
@@ -114,7 +115,7 @@ class RosFrames {
     return std::nullopt;
   }
 
-  scenes::LostFrames lost_at_end() { return triplets_.TakeLost(); }
+  scenes::LostFrames lost_at_end() const override { return triplets_.TakeLost(); }
 
  private:
   void Take(const RosBytes& message) {
@@ -177,23 +178,9 @@ class RosFrames {
   LogLimiter change_log_;
   std::optional<scenes::NamedRig> new_rig_ = {};  // for the next frame
   ImageOfPoints image_;
-  RosTriplets triplets_;
+  mutable RosTriplets triplets_;  // forgets what it has told
   bool is_at_end_ = false;
   bool gave_any_ = false;
-};
-
-class RawRosSource : public RawSource {
- public:
-  explicit RawRosSource(RosFrames frames) : frames_(std::move(frames)) {}
-  bool is_live() const override { return frames_.is_live(); }
-  bool is_recorded() const override { return !is_live(); }
-  std::optional<scenes::CapturedFrame> Next(const std::stop_token& stop) override {
-    return frames_.Next(stop);
-  }
-  scenes::LostFrames lost_at_end() const override { return frames_.lost_at_end(); }
-
- private:
-  mutable RosFrames frames_;
 };
 
 class RosSource : public scenes::FrameSource {
@@ -219,7 +206,7 @@ class RosSource : public scenes::FrameSource {
   scenes::LostFrames lost_at_end() const override { return frames_.lost_at_end(); }
 
  private:
-  mutable RosFrames frames_;
+  RosFrames frames_;
   Rig rig_;
   std::optional<Rectifier> rectifier_;
 };
@@ -303,8 +290,7 @@ std::unique_ptr<RawSource> OpenRawRosSource(const std::string& source, RosSource
   opener.LeaveOutCalibration();
   std::unique_ptr<RosInput> input = opener.Open();
   input->StartImages({});
-  RosFrames frames(opener, std::move(input), std::nullopt, {});
-  return std::make_unique<RawRosSource>(std::move(frames));
+  return std::make_unique<RosFrames>(opener, std::move(input), std::nullopt, ImageOfPoints());
 }
 
 }  // namespace sprout::capture
