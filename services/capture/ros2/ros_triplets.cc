@@ -21,6 +21,18 @@ TripletConfig ConfigOf(const RosSettings& settings, bool takes_points) {
 // Newest stamps of each camera that WhyUnpaired() looks at: those of a second or two.
 constexpr size_t kStamps = 16;
 
+// What `convert` makes of a message's content; its stamp goes to `timed`.
+template <typename Ros, typename Convert>
+std::invoke_result_t<Convert, const Ros&> Stamped(const RosBytes& message, TimedImage& timed,
+                                                  const Convert& convert) {
+  const Result<RosMessage<Ros>> ros = ReadCdr<Ros>(message.cdr);
+  if (!ros) return tl::unexpected(ros.error());
+  const Result<int64_t> utime = FromRosStamp((*ros)->header);
+  if (!utime) return tl::unexpected(utime.error());
+  timed.utime = *utime;
+  return convert(**ros);
+}
+
 RigPlace PlaceOf(RosRole role) {
   if (role == RosRole::kLeft) return RigPlace::kLeft;
   return role == RosRole::kRight ? RigPlace::kRight : RigPlace::kTof;
@@ -39,26 +51,16 @@ RosTriplets::RosTriplets(const RosSettings& settings, std::optional<cv::Size> si
 
 Result<TimedImage> RosTriplets::DecodePicture(const RosBytes& message) const {
   TimedImage timed;
-  Result<int64_t> utime;
-  Result<cv::Mat> image;
-  if (message.is_compressed) {
-    const auto ros = ReadCdr<RosCompressedImage>(message.cdr);
-    if (!ros) return tl::unexpected(ros.error());
-    utime = FromRosStamp((*ros)->header);
-    image = FromRosImage(**ros, size_);
-  } else {
-    const auto ros = ReadCdr<RosImage>(message.cdr);
-    if (!ros) return tl::unexpected(ros.error());
-    utime = FromRosStamp((*ros)->header);
-    image = FromRosImage(**ros);
-  }
-  if (!utime) return tl::unexpected(utime.error());
+  Result<cv::Mat> image =
+      message.is_compressed
+          ? Stamped<RosCompressedImage>(message, timed,
+                                        [&](const auto& ros) { return FromRosImage(ros, size_); })
+          : Stamped<RosImage>(message, timed, [](const auto& ros) { return FromRosImage(ros); });
   if (!image) return tl::unexpected(image.error());
   if (size_ && image->size() != *size_) {
     return Fail("image of " + SizeText(image->size()) + ": allowed is the calibrated size " +
                 SizeText(*size_));
   }
-  timed.utime = *utime;
   timed.image = std::move(*image);
   return timed;
 }
@@ -68,32 +70,20 @@ Result<TimedImage> RosTriplets::Decode(const RosBytes& message) const {
     return DecodePicture(message);
   }
   TimedImage timed;
-  Result<int64_t> utime;
   if (message.role == RosRole::kPoints) {
-    const auto ros = ReadCdr<RosPointCloud>(message.cdr);
-    if (!ros) return tl::unexpected(ros.error());
-    utime = FromRosStamp((*ros)->header);
-    const auto points = FromRosCloud(**ros);
+    const auto points =
+        Stamped<RosPointCloud>(message, timed, [](const auto& ros) { return FromRosCloud(ros); });
     if (!points) return tl::unexpected(points.error());
     timed.tof = image_of_points_(*points);
-  } else {
-    Result<cv::Mat1f> depth_m;
-    if (message.is_compressed) {
-      const auto ros = ReadCdr<RosCompressedImage>(message.cdr);
-      if (!ros) return tl::unexpected(ros.error());
-      utime = FromRosStamp((*ros)->header);
-      depth_m = FromRosDepth(**ros, std::nullopt);
-    } else {
-      const auto ros = ReadCdr<RosImage>(message.cdr);
-      if (!ros) return tl::unexpected(ros.error());
-      utime = FromRosStamp((*ros)->header);
-      depth_m = FromRosDepth(**ros);
-    }
-    if (!depth_m) return tl::unexpected(depth_m.error());
-    timed.tof.depth_m = std::move(*depth_m);
+    return timed;
   }
-  if (!utime) return tl::unexpected(utime.error());
-  timed.utime = *utime;
+  Result<cv::Mat1f> depth_m =
+      message.is_compressed
+          ? Stamped<RosCompressedImage>(
+                message, timed, [](const auto& ros) { return FromRosDepth(ros, std::nullopt); })
+          : Stamped<RosImage>(message, timed, [](const auto& ros) { return FromRosDepth(ros); });
+  if (!depth_m) return tl::unexpected(depth_m.error());
+  timed.tof.depth_m = std::move(*depth_m);
   return timed;
 }
 
