@@ -27,8 +27,14 @@ std::string Names(const char** names, unsigned count) {
   return text;
 }
 
-Result<void> CheckRange(const char* field, double value, double min, double max) {
-  if (value >= min && value <= max) return {};
+// Checks a number of the rig file against the camera's own bounds, if it tells them.
+Result<void> CheckBounds(ArvCamera* camera, const char* field, double value,
+                         void (*bounds)(ArvCamera*, double*, double*, GError**)) {
+  ArvError error;
+  double min = 0;
+  double max = 0;
+  bounds(camera, &min, &max, error.out());
+  if (error || (value >= min && value <= max)) return {};
   return Fail(fmt::format("{} = {}: this camera allows {} to {}", field, value, min, max));
 }
 
@@ -77,12 +83,9 @@ Result<void> SetExposure(ArvCamera* camera, double exposure_us) {
     arv_camera_set_exposure_time_auto(camera, ARV_AUTO_OFF, error.out());
     if (error) return Done(error, "exposure_us");
   }
-  double min = 0;
-  double max = 0;
-  arv_camera_get_exposure_time_bounds(camera, &min, &max, error.out());
-  if (!error) {
-    if (const auto fits = CheckRange("exposure_us", exposure_us, min, max); !fits) return fits;
-  }
+  const Result<void> fits =
+      CheckBounds(camera, "exposure_us", exposure_us, arv_camera_get_exposure_time_bounds);
+  if (!fits) return fits;
   arv_camera_set_exposure_time(camera, exposure_us, error.out());
   return Done(error, fmt::format("exposure_us = {}", exposure_us));
 }
@@ -94,12 +97,8 @@ Result<void> SetGain(ArvCamera* camera, double gain_db) {
     arv_camera_set_gain_auto(camera, ARV_AUTO_OFF, error.out());
     if (error) return Done(error, "gain_db");
   }
-  double min = 0;
-  double max = 0;
-  arv_camera_get_gain_bounds(camera, &min, &max, error.out());
-  if (!error) {
-    if (const auto fits = CheckRange("gain_db", gain_db, min, max); !fits) return fits;
-  }
+  const Result<void> fits = CheckBounds(camera, "gain_db", gain_db, arv_camera_get_gain_bounds);
+  if (!fits) return fits;
   arv_camera_set_gain(camera, gain_db, error.out());
   return Done(error, fmt::format("gain_db = {}", gain_db));
 }
@@ -122,12 +121,9 @@ Result<void> SetFreeRun(ArvCamera* camera, double frame_rate_hz) {
   arv_camera_clear_triggers(camera, error.out());
   if (error) return Done(error, "trigger = FREE_RUN");
   if (!arv_camera_is_frame_rate_available(camera, error.out())) return {};
-  double min = 0;
-  double max = 0;
-  arv_camera_get_frame_rate_bounds(camera, &min, &max, error.out());
-  if (!error) {
-    if (const auto fits = CheckRange("frame_rate_hz", frame_rate_hz, min, max); !fits) return fits;
-  }
+  const Result<void> fits =
+      CheckBounds(camera, "frame_rate_hz", frame_rate_hz, arv_camera_get_frame_rate_bounds);
+  if (!fits) return fits;
   arv_camera_set_frame_rate(camera, frame_rate_hz, error.out());
   return Done(error, fmt::format("frame_rate_hz = {}", frame_rate_hz));
 }

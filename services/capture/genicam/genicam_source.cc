@@ -34,12 +34,6 @@ constexpr milliseconds kReminder(10'000);
 // How long before an exposure the cameras are told of it: much more than a packet's way.
 constexpr int64_t kLeadNs = 50'000'000;
 
-int64_t NowUs() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
 // Events of all cameras, in the order of their coming. Thread-safe, and bounded: cameras are seldom
 // opened or lost, and of the rest only the newest stays.
 class Inbox {
@@ -113,7 +107,8 @@ class GenicamSource : public RawSource {
   std::optional<scenes::CapturedFrame> Next(const std::stop_token& stop) override {
     Clock::time_point next_word = Clock::now() + kSilence;
     while (!stop.stop_requested()) {
-      if (std::optional<scenes::CapturedFrame> frame = former_.Next(NowUs())) return frame;
+      if (std::optional<scenes::CapturedFrame> frame = former_.Next(g_get_real_time()))
+        return frame;
       if (waiting_) waiting_();
       for (auto& [place, event] : inbox_.Take(stop)) former_.Add(place, std::move(event));
       if (Clock::now() < next_word) continue;

@@ -181,10 +181,7 @@ Result<TofImage> ToTofImage(std::span<const PayloadPart> parts, const Scan3d& sc
 
 void RangesToDepths(TofImage& image, const cv::Mat1d& range_per_depth) {
   assert(image.depth_m.size() == range_per_depth.size());
-  std::transform(image.depth_m.begin(), image.depth_m.end(), range_per_depth.begin(),
-                 image.depth_m.begin(), [](float range_m, double per_depth) {
-                   return static_cast<float>(static_cast<double>(range_m) / per_depth);
-                 });
+  cv::divide(image.depth_m, range_per_depth, image.depth_m, 1, CV_32F);
 }
 
 }  // namespace sprout::capture
