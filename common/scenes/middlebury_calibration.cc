@@ -1,6 +1,5 @@
 #include "common/scenes/middlebury_calibration.h"
 
-#include <map>
 #include <optional>
 #include <sstream>
 #include <vector>
@@ -9,8 +8,8 @@
 #include "common/core/input_files.h"
 #include "common/core/number_text.h"
 #include "common/core/read_text.h"
+#include "common/scenes/calibration_lines.h"
 #include "common/scenes/kitti_calibration.h"
-#include "common/scenes/rectified.h"
 
 namespace sprout::scenes {
 namespace {
@@ -18,70 +17,32 @@ namespace {
 constexpr double kFullSizeFocalPx = 3740;  // 2005 and 2006, as Middlebury publishes them
 constexpr double kBaselineM = 0.160;
 
-// The "key=value" lines of a calib.txt.
-class CalibFile {
- public:
-  explicit CalibFile(const std::filesystem::path& path) : path_(path) {
-    NoteInputFile(path);
-    const Result<std::string> text = ReadText(path);
-    if (!text) {
-      throw ConfigError("calibration " + path.string() + ": " + text.error().text +
-                        "; allowed: a file with cam0, cam1 and baseline");
-    }
-    std::istringstream lines(*text);
-    for (std::string line; std::getline(lines, line);) {
-      const size_t equals = line.find('=');
-      if (equals == std::string::npos) continue;
-      values_[std::string(Trimmed(line.substr(0, equals)))] = Trimmed(line.substr(equals + 1));
-    }
+// Of the "key=value" lines of a calib.txt.
+double Number(const CalibrationLines& calib, const std::string& key) {
+  const std::optional<double> number = ParseNumber<double>(calib.Text(key));
+  if (!number) throw calib.Bad(key, "a finite number");
+  return *number;
+}
+
+// Camera matrix [f 0 cx; 0 f cy; 0 0 1], row by row.
+std::vector<double> Matrix(const CalibrationLines& calib, const std::string& key) {
+  const std::string& text = calib.Text(key);
+  constexpr char kAllowed[] = "[f 0 cx; 0 f cy; 0 0 1] with finite numbers";
+  if (text.size() < 2 || text.front() != '[' || text.back() != ']') throw calib.Bad(key, kAllowed);
+  std::string body = text.substr(1, text.size() - 2);
+  for (char& c : body) {
+    if (c == ';' || c == ',') c = ' ';
   }
-
-  bool Has(const std::string& key) const { return values_.contains(key); }
-
-  double Number(const std::string& key) const {
-    const std::optional<double> number = ParseNumber<double>(Trimmed(Text(key)));
-    if (!number) throw Bad(key, "a finite number");
-    return *number;
+  std::vector<double> numbers;
+  std::istringstream words(body);
+  for (std::string word; words >> word;) {
+    const std::optional<double> number = ParseNumber<double>(word);
+    if (!number) throw calib.Bad(key, kAllowed);
+    numbers.push_back(*number);
   }
-
-  // Camera matrix [f 0 cx; 0 f cy; 0 0 1], row by row.
-  std::vector<double> Matrix(const std::string& key) const {
-    const std::string& text = Text(key);
-    constexpr char kAllowed[] = "[f 0 cx; 0 f cy; 0 0 1] with finite numbers";
-    if (text.size() < 2 || text.front() != '[' || text.back() != ']') throw Bad(key, kAllowed);
-    std::string body = text.substr(1, text.size() - 2);
-    for (char& c : body) {
-      if (c == ';' || c == ',') c = ' ';
-    }
-    std::vector<double> numbers;
-    std::istringstream words(body);
-    for (std::string word; words >> word;) {
-      const std::optional<double> number = ParseNumber<double>(word);
-      if (!number) throw Bad(key, kAllowed);
-      numbers.push_back(*number);
-    }
-    if (numbers.size() != 9) throw Bad(key, kAllowed);
-    return numbers;
-  }
-
-  ConfigError Bad(const std::string& key, const std::string& allowed) const {
-    return ConfigError("calibration " + path_.string() + ": " + key + "=" + Text(key) +
-                       ": allowed: " + allowed);
-  }
-
- private:
-  const std::string& Text(const std::string& key) const {
-    const auto found = values_.find(key);
-    if (found == values_.end()) {
-      throw ConfigError("calibration " + path_.string() + ": " + key +
-                        " is missing; allowed: a file with cam0, cam1 and baseline");
-    }
-    return found->second;
-  }
-
-  std::filesystem::path path_;
-  std::map<std::string, std::string> values_;
-};
+  if (numbers.size() != 9) throw calib.Bad(key, kAllowed);
+  return numbers;
+}
 
 double ReadDmin(const std::filesystem::path& path, double missing_dmin_px) {
   std::error_code ignored;
@@ -116,15 +77,15 @@ RectifiedPair CalibrationFromDmin(const std::filesystem::path& dmin_file, double
 }
 
 RectifiedPair CalibrationFromCalib(const std::filesystem::path& calib_file, cv::Size size) {
-  const CalibFile calib(calib_file);
-  const std::vector<double> left = calib.Matrix("cam0");
-  const std::vector<double> right = calib.Matrix("cam1");
+  const CalibrationLines calib(calib_file, "=", "cam0, cam1 and baseline");
+  const std::vector<double> left = Matrix(calib, "cam0");
+  const std::vector<double> right = Matrix(calib, "cam1");
   RectifiedPair pair{.width = size.width, .height = size.height};
   pair.focal_px = left[0];
   pair.cx = left[2];
   pair.cy = left[5];
   pair.cx_right = right[2];
-  pair.baseline_m = calib.Number("baseline") / 1000;
+  pair.baseline_m = Number(calib, "baseline") / 1000;
 
   if (pair.focal_px <= 0) throw calib.Bad("cam0", "a focal length above 0");
   if (pair.baseline_m <= 0) throw calib.Bad("baseline", "a number above 0, mm");
@@ -132,7 +93,7 @@ RectifiedPair CalibrationFromCalib(const std::filesystem::path& calib_file, cv::
     throw calib.Bad("cam1", "one focal length for both cameras and axes, and cam0's row");
   }
   for (const auto& [key, px] : {std::pair{"width", size.width}, {"height", size.height}}) {
-    if (calib.Has(key) && calib.Number(key) != px) {
+    if (calib.Has(key) && Number(calib, key) != px) {
       throw calib.Bad(key, std::to_string(px) + ", as the images have");
     }
   }
