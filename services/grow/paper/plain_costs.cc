@@ -3,34 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/core/window_sums.h"
 #include "services/grow/paper/similarity-inl.h"
 
 namespace sprout::grow {
 namespace {
-
-// Over a 5×5 window of the left image, wL, and one of the right image, wR.
-struct WindowSums {
-  int left = 0, right = 0;                  // Σ wL, Σ wR
-  int left_squares = 0, right_squares = 0;  // Σ wL², Σ wR²
-  int products = 0;                         // Σ wL·wR
-};
-
-// Sums over two windows, of one image or of two, around pixels of one row.
-WindowSums SumWindows(const cv::Mat1b& one, int u, const cv::Mat1b& other, int u_other, int v) {
-  WindowSums sums;
-  for (int y = v - kWindowRadius; y <= v + kWindowRadius; ++y) {
-    const uint8_t* left = one[y] + u - kWindowRadius;
-    const uint8_t* right = other[y] + u_other - kWindowRadius;
-    for (int x = 0; x < kWindow; ++x) {
-      sums.left += left[x];
-      sums.right += right[x];
-      sums.left_squares += left[x] * left[x];
-      sums.right_squares += right[x] * right[x];
-      sums.products += left[x] * right[x];
-    }
-  }
-  return sums;
-}
 
 // Numerator and denominator of eq. (4), and of 1 − MNCC.
 struct Photo {
@@ -51,12 +28,14 @@ Photo PhotoOf(const GrowthRule& rule, const WindowSums& sums) {
 }
 
 Photo PhotoAt(const GrowthRule& rule, const GrowthInput& input, const Correspondence& q) {
-  return PhotoOf(rule, SumWindows(input.left, q.u, input.right, q.u - q.d, q.v));
+  return PhotoOf(rule,
+                 SumWindows<kWindowRadius>(input.left, input.right, {q.u, q.v}, {q.u - q.d, q.v}));
 }
 
 // How much the left windows of two neighbouring pixels differ.
 int TextureBetween(const GrowthRule& rule, const GrowthInput& input, int u, int v) {
-  return std::max(1, PhotoOf(rule, SumWindows(input.left, u, input.left, u - 1, v)).difference);
+  const WindowSums sums = SumWindows<kWindowRadius>(input.left, input.left, {u, v}, {u - 1, v});
+  return std::max(1, PhotoOf(rule, sums).difference);
 }
 
 }  // namespace
