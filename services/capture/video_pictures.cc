@@ -1,10 +1,12 @@
 #include "services/capture/video_pictures.h"
 
 #include <fmt/format.h>
+#include <glob.h>
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/videoio.hpp>
+#include <span>
 #include <utility>
 
 #include "common/config/config_error.h"
@@ -117,6 +119,16 @@ class VideoPictures : public Pictures {
 
 bool IsDevice(const std::string& place) {
   return ParseNumber<int>(place).has_value() || place.starts_with("/dev/");
+}
+
+std::vector<std::string> FilesMatching(const std::string& pattern) {
+  glob_t found{};
+  std::vector<std::string> files;
+  if (glob(pattern.c_str(), GLOB_NOSORT, nullptr, &found) == 0) {
+    for (const char* path : std::span(found.gl_pathv, found.gl_pathc)) files.emplace_back(path);
+  }
+  globfree(&found);
+  return files;
 }
 
 std::unique_ptr<Pictures> OpenImages(std::vector<std::string> files) {

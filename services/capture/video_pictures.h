@@ -33,6 +33,9 @@ class Pictures {
   virtual std::string EndText() const { return {}; }
 };
 
+/// The files that a pattern of glob() names, in any order.
+std::vector<std::string> FilesMatching(const std::string& pattern);
+
 /// Opens a list of files, each of which is a picture.
 std::unique_ptr<Pictures> OpenImages(std::vector<std::string> files);
 

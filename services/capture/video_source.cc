@@ -1,14 +1,12 @@
 #include "services/capture/video_source.h"
 
 #include <fmt/format.h>
-#include <glob.h>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
 #include <optional>
-#include <span>
 #include <string_view>
 #include <utility>
 
@@ -31,16 +29,6 @@ std::string Escaped(const std::string& text) {
     escaped += c;
   }
   return escaped;
-}
-
-std::vector<std::string> Matching(const std::string& pattern) {
-  glob_t found{};
-  std::vector<std::string> files;
-  if (glob(pattern.c_str(), GLOB_NOSORT, nullptr, &found) == 0) {
-    for (const char* path : std::span(found.gl_pathv, found.gl_pathc)) files.emplace_back(path);
-  }
-  globfree(&found);
-  return files;
 }
 
 // Whether printf() writes a number so with at least `width` digits.
@@ -69,7 +57,7 @@ std::vector<std::string> ImageList(const std::string& pattern) {
       *digits > kMaxDigits) {
     refuse("not a name with one number; allowed: such as left_%04d.png");
   }
-  std::vector<std::string> files = Matching(Escaped(before) + '*' + Escaped(after));
+  std::vector<std::string> files = FilesMatching(Escaped(before) + '*' + Escaped(after));
   std::erase_if(files, [&](const std::string& file) {
     const std::string_view number =
         std::string_view(file).substr(before.size(), file.size() - before.size() - after.size());

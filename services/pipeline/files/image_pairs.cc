@@ -1,7 +1,6 @@
 #include "services/pipeline/files/image_pairs.h"
 
 #include <fmt/core.h>
-#include <glob.h>
 
 #include <algorithm>
 #include <cctype>
@@ -42,26 +41,18 @@ bool IsVideo(const fs::path& path) {
   return HasExtension(path, kVideoExtensions) && fs::is_regular_file(path, ignored);
 }
 
-std::vector<fs::path> ImagesIn(const std::string& what, const fs::path& folder) {
-  std::vector<fs::path> images;
+std::vector<std::string> ImagesIn(const std::string& what, const fs::path& folder) {
+  std::vector<std::string> images;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
     std::error_code ignored;
-    if (entry->is_regular_file(ignored) && IsImageName(entry->path())) images.push_back(*entry);
+    if (entry->is_regular_file(ignored) && IsImageName(entry->path())) {
+      images.push_back(entry->path());
+    }
   }
   if (error) throw ConfigError(what + ' ' + folder.string() + ": " + error.message());
   return images;
-}
-
-std::vector<fs::path> Matching(const std::string& pattern) {
-  glob_t found{};
-  std::vector<fs::path> files;
-  if (glob(pattern.c_str(), GLOB_NOSORT, nullptr, &found) == 0) {
-    for (const char* path : std::span(found.gl_pathv, found.gl_pathc)) files.emplace_back(path);
-  }
-  globfree(&found);
-  return files;
 }
 
 bool IsPattern(const std::string& text) { return text.find_first_of("*?[") != std::string::npos; }
@@ -75,11 +66,13 @@ std::vector<fs::path> FilesOf(const std::string& what, const std::string& text) 
         "{} {}: not there; allowed: an image, a folder of images, or a pattern in quotes", what,
         text));
   }
-  std::vector<fs::path> files = is_folder ? ImagesIn(what, text) : Matching(text);
-  if (files.empty()) {
+  const std::vector<std::string> names =
+      is_folder ? ImagesIn(what, text) : capture::FilesMatching(text);
+  if (names.empty()) {
     throw ConfigError(fmt::format("{} {}: {}", what, text,
                                   is_folder ? "holds no image" : "no file is called so"));
   }
+  std::vector<fs::path> files(names.begin(), names.end());
   std::ranges::sort(files);  // the file system's order is any
   return files;
 }
