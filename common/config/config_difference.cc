@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <map>
 
+#include "common/core/number_text.h"
+
 namespace sprout {
 namespace {
 
 using Values = std::map<std::string, std::string, std::less<>>;
-
-std::string_view Trimmed(std::string_view line) {
-  const size_t begin = std::min(line.find_first_not_of(' '), line.size());
-  return line.substr(begin, line.find_last_not_of(" \r") + 1 - begin);
-}
 
 // Values by key. Protobuf's parser is not used: it refuses a text with an enumerator that it does
 // not know. ConfigText() prints "NAME {", "KEY: VALUE" and "}", each on a line of its own.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "common/core/number_text.h"
 #include "common/core/read_text.h"
 
 namespace sprout {
@@ -254,12 +255,8 @@ std::vector<fs::path> McapParts(std::string_view bag) {
   }
   if (fs::exists(bag, failed)) return {fs::path(bag)};
   std::vector<fs::path> parts;
-  while (true) {
-    const size_t comma = std::min(bag.find(','), bag.size());
-    parts.emplace_back(bag.substr(0, comma));
-    if (comma == bag.size()) return parts;
-    bag.remove_prefix(comma + 1);
-  }
+  for (const std::string_view part : SplitAt(',', bag)) parts.emplace_back(part);
+  return parts;
 }
 
 std::string OtherBag(std::span<const uint8_t> begin) {

@@ -25,17 +25,13 @@ std::unique_ptr<Dataset> OpenSyntheticText(std::string_view size_text,
                                            const CaptureConfig& config) {
   const std::string allowed = "synthetic:WxH with " + std::to_string(kMinSyntheticSide) + " to " +
                               std::to_string(kMaxSyntheticSide) + " px a side";
-  const size_t cross = size_text.find('x');
-  if (cross == std::string_view::npos) throw BadSource(config, "no size", allowed);
-  const std::optional<int> width = ParseNumber<int>(size_text.substr(0, cross));
-  const std::optional<int> height = ParseNumber<int>(size_text.substr(cross + 1));
-  if (!width || !height) throw BadSource(config, "not a size", allowed);
-  for (int side : {*width, *height}) {
-    if (side < kMinSyntheticSide || side > kMaxSyntheticSide) {
-      throw BadSource(config, "size out of range", allowed);
-    }
+  const auto size = ParseSize(size_text);
+  if (!size) throw BadSource(config, "not a size", allowed);
+  const auto [width, height] = *size;
+  if (std::min(width, height) < kMinSyntheticSide || std::max(width, height) > kMaxSyntheticSide) {
+    throw BadSource(config, "size out of range", allowed);
   }
-  return OpenSynthetic({*width, *height}, config);
+  return OpenSynthetic({width, height}, config);
 }
 
 // @returns whether the sensor has such an option.

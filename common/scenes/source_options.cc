@@ -35,14 +35,11 @@ bool ApplyNumber(const SourceOption& option, std::span<const NumberOption<Config
 
 std::vector<SourceOption> SourceOptions(std::string_view text) {
   std::vector<SourceOption> options;
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find('&', begin), text.size());
-    const std::string_view option = text.substr(begin, end - begin);
+  for (const std::string_view option : SplitAt('&', text)) {
     const size_t equals = std::min(option.find('='), option.size());
     options.push_back({.text = option,
                        .name = option.substr(0, equals),
                        .value = option.substr(std::min(equals + 1, option.size()))});
-    begin = end + 1;
   }
   return options;
 }
@@ -57,16 +54,13 @@ bool ApplyZones(std::string_view tof, CaptureConfig& config) {
   if (!tof.starts_with(kZones)) return false;
   const std::string_view size = tof.substr(kZones.size());
   if (!size.empty()) {
-    const size_t cross = size.find('x');
-    const bool is_size = size.starts_with(':') && cross != std::string_view::npos;
-    const auto columns = is_size ? ParseNumber<int>(size.substr(1, cross - 1)) : std::nullopt;
-    const auto rows = is_size ? ParseNumber<int>(size.substr(cross + 1)) : std::nullopt;
-    if (!columns || !rows) {
+    const auto zones = size.starts_with(':') ? ParseSize(size.substr(1)) : std::nullopt;
+    if (!zones) {
       throw ConfigError("capture.tof = " + std::string(tof) +
                         ": no size; allowed: zones:CxR such as zones:8x8");
     }
-    config.mutable_zones()->set_columns(*columns);
-    config.mutable_zones()->set_rows(*rows);
+    config.mutable_zones()->set_columns(zones->first);
+    config.mutable_zones()->set_rows(zones->second);
   }
   RequireInRange(config.zones(), "capture.zones");
   config.set_tof(std::string(kZones));

@@ -1,6 +1,6 @@
 #include <algorithm>
+#include <climits>
 #include <cmath>
-#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -18,46 +18,36 @@ namespace {
 constexpr std::string_view kGenicam = "genicam:";
 constexpr std::string_view kOpenCv = "opencv:";
 constexpr std::string_view kV4l2 = "v4l2:";
+constexpr double kMaxOffsetMs = 1e8;  // a day
 
 ConfigError Bad(const std::string& source, const std::string& reason, const std::string& allowed) {
   return ConfigError("capture.source = " + source + ": " + reason + "; allowed: " + allowed);
 }
 
+template <typename Number>
+Number NumberOf(const std::string& source, const scenes::SourceOption& option, Number least,
+                Number most, const std::string& allowed) {
+  const std::optional<Number> number = ParseNumber<Number>(option.value);
+  if (number && *number >= least && *number <= most) return *number;
+  throw Bad(source, "cannot be used: " + std::string(option.text), allowed);
+}
+
 int Positive(const std::string& source, const scenes::SourceOption& option) {
-  const std::optional<int> number = ParseNumber<int>(option.value);
-  if (number && *number > 0) return *number;
-  throw Bad(source, "not a number above 0: " + std::string(option.text),
-            "?width=PX&height=PX&fps=HZ");
-}
-
-int BitsOf(const std::string& source, const scenes::SourceOption& option) {
-  const std::optional<int> bits = ParseNumber<int>(option.value);
-  if (bits && *bits >= kMinBits && *bits <= kMaxBits) return *bits;
-  throw Bad(source, "no number of bits: " + std::string(option.text), "8 to 16");
-}
-
-double OffsetOf(const std::string& source, const scenes::SourceOption& option) {
-  constexpr double kMaxMs = 1e8;  // a day
-  const std::optional<double> offset_ms = ParseNumber<double>(option.value);
-  if (offset_ms && std::abs(*offset_ms) <= kMaxMs) return *offset_ms;
-  throw Bad(source, "no offset: " + std::string(option.text),
-            "how much later the right video begins, ms");
+  return NumberOf(source, option, 1, INT_MAX, "?width=PX&height=PX&fps=HZ, each a number above 0");
 }
 
 // The places of a source: "opencv:" has two, separated by a comma, or one with both views; "v4l2:"
 // has one.
 std::vector<std::string> PlacesOf(const std::string& source, const std::string& place) {
   const bool is_device = place.starts_with(kV4l2);
-  const std::string names = place.substr((is_device ? kV4l2 : kOpenCv).size());
-  std::vector<std::string> places;
-  std::istringstream text(names + ',');  // so that an empty one at the end counts
-  for (std::string name; std::getline(text, name, ',');) places.push_back(name);
+  const auto names =
+      SplitAt(',', std::string_view(place).substr((is_device ? kV4l2 : kOpenCv).size()));
   const size_t most = is_device ? 1 : 2;
-  if (places.empty() || places.size() > most || std::ranges::count(places, std::string()) > 0) {
+  if (names.size() > most || std::ranges::count(names, std::string_view()) > 0) {
     throw Bad(source, "not one or two places",
               "opencv:LEFT,RIGHT, opencv:BOTH or v4l2:DEVICE, ?rig=FILE behind it");
   }
-  return places;
+  return {names.begin(), names.end()};
 }
 
 }  // namespace
@@ -90,9 +80,10 @@ OpenedCameras OpenCameras(const std::string& source, bool loop, scenes::Waiting 
     } else if (option.name == "fps") {
       settings.device.fps = Positive(source, option);
     } else if (option.name == "bits") {
-      settings.bits = BitsOf(source, option);
+      settings.bits = NumberOf(source, option, kMinBits, kMaxBits, "?bits=8 to 16");
     } else if (option.name == "offset_ms") {
-      settings.offset_ms = OffsetOf(source, option);
+      settings.offset_ms = NumberOf(source, option, -kMaxOffsetMs, kMaxOffsetMs,
+                                    "?offset_ms=MS, how much later the right video begins");
     } else {
       throw Bad(source, "no such option " + std::string(option.text),
                 "?rig=FILE, &width=PX, &height=PX, &fps=HZ, &bits=N, &offset_ms=MS");

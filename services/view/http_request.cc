@@ -37,15 +37,11 @@ HttpTarget ParseTarget(std::string_view target) {
   const size_t mark = target.find('?');
   parsed.path = target.substr(0, mark);
   if (mark == std::string_view::npos) return parsed;
-  std::string_view rest = target.substr(mark + 1);
-  while (!rest.empty()) {
-    const size_t end = rest.find('&');
-    const std::string_view pair = rest.substr(0, end);
+  for (const std::string_view pair : SplitAt('&', target.substr(mark + 1))) {
     const size_t equals = pair.find('=');
     if (equals != std::string_view::npos) {
       parsed.query[std::string(pair.substr(0, equals))] = pair.substr(equals + 1);
     }
-    rest = end == std::string_view::npos ? std::string_view() : rest.substr(end + 1);
   }
   return parsed;
 }

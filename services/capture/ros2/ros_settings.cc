@@ -52,16 +52,8 @@ std::string* TextOf(RosSettings& settings, std::string_view name) {
 
 // x,y,z,qx,qy,qz,qw, as ROS's static_transform_publisher has them, or x,y,z alone.
 std::optional<Pose> ParsePose(std::string_view text) {
-  std::vector<double> numbers;
-  while (true) {
-    const size_t comma = std::min(text.find(','), text.size());
-    const std::optional<double> number = ParseNumber<double>(text.substr(0, comma));
-    if (!number || !std::isfinite(*number)) return std::nullopt;
-    numbers.push_back(*number);
-    if (comma == text.size()) break;
-    text.remove_prefix(comma + 1);
-  }
   constexpr double kMaxOffUnit = 1e-3;
+  std::vector<double> numbers = ParseNumbers<double>(',', text).value_or(std::vector<double>());
   if (numbers.size() == 3) numbers.insert(numbers.end(), {0, 0, 0, 1});
   if (numbers.size() != 7) return std::nullopt;
   const Eigen::Quaterniond rotation(numbers[6], numbers[3], numbers[4], numbers[5]);

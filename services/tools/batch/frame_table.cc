@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <sstream>
 
+#include "common/core/number_text.h"
 #include "common/core/output_file.h"
 #include "common/core/read_text.h"
 #include "common/core/signal_watcher.h"
@@ -22,24 +22,10 @@
 namespace sprout::batch {
 namespace {
 
-std::vector<std::string> Split(const std::string& line) {
-  std::vector<std::string> cells(1);
-  for (const char c : line) {
-    if (c == ',') {
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
-  return cells;
-}
-
-Cell ParseCell(const std::filesystem::path& path, const std::string& text) {
-  if (text.empty()) return std::nullopt;
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-    throw LogError(path, "'" + text + "' is no finite number");
+Cell ParseCell(const std::filesystem::path& path, std::string_view text) {
+  const Cell value = ParseNumber<double>(text);
+  if (!value && !text.empty()) {
+    throw LogError(path, "'" + std::string(text) + "' is no finite number");
   }
   return value;
 }
@@ -163,10 +149,12 @@ Table ReadTable(const std::filesystem::path& path, const std::vector<std::string
   std::string line;
   if (!std::getline(file, line)) throw LogError(path, "cannot be read");
   Table table = Table::Of(columns);
-  if (Split(line) != table.columns) throw LogError(path, "has other columns");
+  if (!std::ranges::equal(SplitAt(',', line), table.columns)) {
+    throw LogError(path, "has other columns");
+  }
   while (std::getline(file, line)) {
     std::vector<Cell>& row = table.rows.emplace_back();
-    for (const std::string& cell : Split(line)) row.push_back(ParseCell(path, cell));
+    for (const std::string_view cell : SplitAt(',', line)) row.push_back(ParseCell(path, cell));
     if (row.size() != table.columns.size()) throw LogError(path, "a row has missing cells");
     if (!row[0] || !row[1]) throw LogError(path, "a row has no seq or utime");
   }

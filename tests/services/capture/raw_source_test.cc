@@ -100,7 +100,7 @@ TEST_F(VideoTest, TakesImagesOf16BitsByTheBitsThatTheyUse) {
   EXPECT_EQ(OpenCameras(source + "?bits=12", false).cameras->Next({})->left.at<uint8_t>(5, 5),
             400 >> 4);
   EXPECT_THAT(ErrorOf(source + "?bits=7"),
-              HasSubstr("no number of bits: bits=7; allowed: 8 to 16"));
+              HasSubstr("cannot be used: bits=7; allowed: ?bits=8 to 16"));
 }
 
 // Pictures of a grey value that tells their time, ms / 10.
@@ -130,7 +130,8 @@ TEST_F(VideoTest, JoinsVideosOfDifferentRatesAndStartsByTime) {
   };
   expect(Path("right.avi"), 0, 10);
   expect(Path("late.avi") + "?offset_ms=200", 200, 8);
-  EXPECT_THAT(ErrorOf("opencv:" + Path("left.avi") + "?offset_ms=x"), HasSubstr("no offset"));
+  EXPECT_THAT(ErrorOf("opencv:" + Path("left.avi") + "?offset_ms=x"),
+              HasSubstr("cannot be used: offset_ms=x"));
 }
 
 TEST_F(VideoTest, PlaysTwoImageListsAndEndsWithTheShorterOne) {

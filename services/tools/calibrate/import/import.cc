@@ -21,14 +21,11 @@ namespace {
 constexpr double kLongestUnsaidM = 5;
 
 cv::Size SizeOf(const std::string& text) {
-  const size_t cross = std::min(text.find('x'), text.size());
-  const auto width = ParseNumber<int>(std::string_view(text).substr(0, cross));
-  const auto height =
-      ParseNumber<int>(std::string_view(text).substr(std::min(cross + 1, text.size())));
-  if (!width || !height || *width < 1 || *height < 1) {
+  const auto size = ParseSize(text);
+  if (!size || size->first < 1 || size->second < 1) {
     throw ConfigError("--size " + text + ": allowed is WIDTHxHEIGHT, px, such as 1280x720");
   }
-  return {*width, *height};
+  return {size->first, size->second};
 }
 
 double MetresPerUnit(const std::string& unit) {
