@@ -9,7 +9,6 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -250,8 +249,7 @@ bool HasCloud(const Frame& frame) {
 void WriteFramePictures(const Frame& frame, const FrameTruth& truth,
                         const std::function<std::filesystem::path(const char* what)>& path_of) {
   FramePictures pictures(frame, [&](const char* what, const cv::Mat3b& picture) {
-    const Result<void> written = WritePng(path_of(what), picture);
-    if (!written) throw std::runtime_error(written.error().text);
+    RequireWritten(WritePng(path_of(what), picture));
   });
   pictures.ShowCameras();
   pictures.ShowSeeds();

@@ -3,12 +3,17 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "common/core/output_file.h"
 
 namespace sprout {
+
+void RequireWritten(const Result<void>& written) {
+  if (!written) throw std::runtime_error(written.error().text);
+}
 
 Result<void> WritePng(const std::filesystem::path& path, const cv::Mat& picture) {
   if (picture.empty()) return Fail("cannot write " + path.string() + ": the picture is empty");

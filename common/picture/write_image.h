@@ -11,6 +11,9 @@ namespace sprout {
 
 // All write the whole file or none (see OutputFile); errors name path and reason.
 
+/// Takes what one of them returned. @throws std::runtime_error when it is an error.
+void RequireWritten(const Result<void>& written);
+
 /// Writes a picture (8UC1 grey or 8UC3 BGR), or a map (16UC1), as PNG.
 [[nodiscard]] Result<void> WritePng(const std::filesystem::path& path, const cv::Mat& picture);
 

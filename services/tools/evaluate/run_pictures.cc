@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cassert>
 #include <opencv2/imgproc.hpp>
-#include <stdexcept>
 #include <utility>
 
 #include "common/core/image.h"
@@ -53,12 +52,6 @@ void DrawRow(cv::Mat3b& sheet, const FigureRow& row, int top) {
     DrawCentred(sheet, row.cells[i].caption, i, top + thumbnail.rows);
   }
   ScaleOf(row).Draw(sheet, {ColumnLeft(row.cells.size()), top}, top - kScaleCapHeight);
-}
-
-void Write(const std::filesystem::path& path, const cv::Mat3b& picture) {
-  if (const Result<void> written = WritePng(path, picture); !written) {
-    throw std::runtime_error(written.error().text);
-  }
 }
 
 std::string CorrectText(const MethodResult& method) {
@@ -117,9 +110,10 @@ void RunPictures::Add(const Scene& scene, const SceneResult& result) {
   std::vector<FigureCell> error_row{row.front(), PointsCell(scene, range_px)};
   for (const MethodResult& method : result.methods) {
     const std::string correct = CorrectText(method);
-    Write(folder_ / (scene.name + "_" + method.name + ".png"),
-          DisparityPicture(FromPx(method.map_px), range_px,
-                           scene.name + ", " + method.name + ": " + correct, &pair));
+    RequireWritten(
+        WritePng(folder_ / (scene.name + "_" + method.name + ".png"),
+                 DisparityPicture(FromPx(method.map_px), range_px,
+                                  scene.name + ", " + method.name + ": " + correct, &pair)));
     titles_.push_back(method.name);
     error_titles_.push_back(method.name);
     row.push_back({FigureThumbnail(Colorize(method.map_px, range_px)), correct});
@@ -139,8 +133,8 @@ void RunPictures::Add(const Scene& scene, const SceneResult& result) {
 }
 
 void RunPictures::WriteFigures() const {
-  Write(folder_ / "figure.png", Figure(titles_, rows_));
-  Write(folder_ / "errors.png", Figure(error_titles_, error_rows_));
+  RequireWritten(WritePng(folder_ / "figure.png", Figure(titles_, rows_)));
+  RequireWritten(WritePng(folder_ / "errors.png", Figure(error_titles_, error_rows_)));
 }
 
 }  // namespace sprout::evaluate

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 
 #include "common/core/image.h"
@@ -274,16 +273,13 @@ void VideoPictures::Add(int frame, const cv::Mat& left, const cv::Mat1f& truth,
 }
 
 void VideoPictures::Write(const std::filesystem::path& folder) const {
-  const auto check = [](const Result<void>& written) {
-    if (!written) throw std::runtime_error(written.error().text);
-  };
   const std::string name = FileName(source_);
   std::vector<std::string> titles = {"left image"};
   titles.insert(titles.end(), kVideoMapNames.begin(), kVideoMapNames.end());
-  check(WritePng(folder / (name + "_strip.png"), Figure(titles, rows_)));
+  RequireWritten(WritePng(folder / (name + "_strip.png"), Figure(titles, rows_)));
   OutputFile plot(folder / (name + ".svg"));
   plot.Write(PlotsSvg({{PlotOf(source_, bad3_percent_)}}));
-  check(plot.Commit());
+  RequireWritten(plot.Commit());
 }
 
 }  // namespace sprout::evaluate

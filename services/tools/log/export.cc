@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -36,10 +35,6 @@ struct ExportOptions : PicturesOptions {
   std::string mcap;
   bool force_mcap = false;
 };
-
-void Require(const Result<void>& written) {
-  if (!written) throw std::runtime_error(written.error().text);
-}
 
 // Depth of a frame, and the camera that sees it.
 struct Depth {
@@ -116,7 +111,8 @@ class Exporter {
       if (frame.unfilled) WriteMap(frame, *frame.unfilled, "unfilled.pfm");
       if (frame.disparity) WriteMap(frame, *frame.disparity, "disparity.pfm");
       if (frame.sigma.type() == CV_8UC1 && !frame.sigma.empty()) {
-        Require(WritePfm(names_.Of(frame.id, "sigma.pfm"), SigmaToPx(cv::Mat1b(frame.sigma))));
+        RequireWritten(
+            WritePfm(names_.Of(frame.id, "sigma.pfm"), SigmaToPx(cv::Mat1b(frame.sigma))));
       }
     }
     if (WantsCloud() && frame.disparity) WriteCloud(frame);
@@ -147,7 +143,7 @@ class Exporter {
   bool WantsCloud() const { return options_.ply || options_.mesh; }
 
   void WriteMap(const Frame& frame, const DisparityImage& map, const char* what) {
-    Require(WritePfm(names_.Of(frame.id, what), map));
+    RequireWritten(WritePfm(names_.Of(frame.id, what), map));
   }
 
   void WriteCloud(const Frame& frame) {
@@ -166,12 +162,12 @@ class Exporter {
       return;
     }
     if (options_.ply) {
-      Require(WriteCloudPly(names_.Of(frame.id, "cloud.ply"), pair, *frame.disparity, frame.left,
-                            ConfidenceOf(frame)));
+      RequireWritten(WriteCloudPly(names_.Of(frame.id, "cloud.ply"), pair, *frame.disparity,
+                                   frame.left, ConfidenceOf(frame)));
     }
     if (options_.mesh) {
-      Require(WriteMeshPly(names_.Of(frame.id, "mesh.ply"), pair, *frame.disparity, frame.left,
-                           ConfidenceOf(frame)));
+      RequireWritten(WriteMeshPly(names_.Of(frame.id, "mesh.ply"), pair, *frame.disparity,
+                                  frame.left, ConfidenceOf(frame)));
     }
   }
 
@@ -182,7 +178,7 @@ class Exporter {
       return;
     }
     if (options_.depth) {
-      Require(WriteDepthPng(names_.Of(frame.id, "depth.png"), depth->metres));
+      RequireWritten(WriteDepthPng(names_.Of(frame.id, "depth.png"), depth->metres));
       WriteIntrinsics(frame.id.rig_id, *depth);
     }
     if (!options_.npz) return;
@@ -193,7 +189,7 @@ class Exporter {
     if (const cv::Mat confidence = ConfidenceOf(frame); !confidence.empty()) {
       arrays.push_back(NpzOf("confidence", confidence));
     }
-    Require(WriteNpz(names_.Of(frame.id, "depth.npz"), arrays));
+    RequireWritten(WriteNpz(names_.Of(frame.id, "depth.npz"), arrays));
   }
 
   // Writes the intrinsics once for each calibration; those of the first one are intrinsics.json.

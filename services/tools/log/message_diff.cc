@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <opencv2/core.hpp>
-#include <stdexcept>
 #include <vector>
 
 #include "common/core/image.h"
@@ -19,15 +18,6 @@ namespace sprout::log {
 namespace {
 
 // Bit by bit: NaN is equal to itself.
-bool SameBits(const cv::Mat& a, const cv::Mat& b) {
-  if (a.size() != b.size() || a.type() != b.type()) return false;
-  const size_t row_bytes = a.elemSize() * static_cast<size_t>(a.cols);
-  for (int v = 0; v < a.rows; ++v) {
-    if (std::memcmp(a.ptr(v), b.ptr(v), row_bytes) != 0) return false;
-  }
-  return true;
-}
-
 int64_t CountDifferent(const cv::Mat& a, const cv::Mat& b) {
   int64_t count = 0;
   const size_t bytes = a.elemSize();
@@ -38,6 +28,10 @@ int64_t CountDifferent(const cv::Mat& a, const cv::Mat& b) {
     }
   }
   return count;
+}
+
+bool SameBits(const cv::Mat& a, const cv::Mat& b) {
+  return a.size() == b.size() && a.type() == b.type() && CountDifferent(a, b) == 0;
 }
 
 MessageDiff Equal() { return {.equal = true, .text = "", .disparity = {}}; }
@@ -227,12 +221,6 @@ std::optional<Pictures> PicturesOf(const Value& /*a*/, const Value& /*b*/,
   return std::nullopt;
 }
 
-void Write(const std::filesystem::path& path, const cv::Mat3b& picture) {
-  if (const Result<void> written = WritePng(path, picture); !written) {
-    throw std::runtime_error(written.error().text);
-  }
-}
-
 }  // namespace
 
 MessageDiff Compare(std::span<const uint8_t> a, std::span<const uint8_t> b) {
@@ -275,9 +263,9 @@ void WriteDifferencePictures(std::span<const uint8_t> a, std::span<const uint8_t
       },
       *value_a);
   if (!pictures) return;
-  Write(names.Of(id, channel + "_a.png"), pictures->a);
-  Write(names.Of(id, channel + "_b.png"), pictures->b);
-  Write(names.Of(id, channel + "_difference.png"), pictures->difference);
+  RequireWritten(WritePng(names.Of(id, channel + "_a.png"), pictures->a));
+  RequireWritten(WritePng(names.Of(id, channel + "_b.png"), pictures->b));
+  RequireWritten(WritePng(names.Of(id, channel + "_difference.png"), pictures->difference));
 }
 
 }  // namespace sprout::log
