@@ -14,6 +14,7 @@
 #include "common/config/config_error.h"
 #include "common/core/input_files.h"
 #include "common/core/printable.h"
+#include "common/logfile/log_error.h"
 
 namespace sprout {
 namespace {
@@ -67,6 +68,14 @@ int RunProgram(Flags& flags, int argc, const char* const* argv, const std::funct
   if (std::cout.flush()) return exit_code;
   std::cerr << flags.program() << ": cannot write to stdout\n";  // a full disk
   return exit_code == 0 ? 1 : exit_code;
+}
+
+int RefusingLogs(const std::function<int()>& body) {
+  try {
+    return body();
+  } catch (const LogError& e) {
+    throw ConfigError(e.what());
+  }
 }
 
 std::string ReachedLimitText(const std::exception& failure) {

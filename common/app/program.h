@@ -17,6 +17,9 @@ namespace sprout {
 ///          something that was printed to std::cout could not be written.
 int RunProgram(Flags& flags, int argc, const char* const* argv, const std::function<int()>& body);
 
+/// For programs whose flags name logs: a LogError of `body` becomes a ConfigError, so exit code 2.
+int RefusingLogs(const std::function<int()>& body);
+
 /// For a failure due to a limit of this process, for which the system only says "Resource
 /// temporarily unavailable" or "std::bad_alloc": names the limit, as ": ..." to append to the
 /// message. Otherwise empty.

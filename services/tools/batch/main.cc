@@ -14,7 +14,6 @@
 #include "common/app/version.h"
 #include "common/core/printable.h"
 #include "common/core/signal_watcher.h"
-#include "common/logfile/log_error.h"
 #include "services/tools/batch/engines.h"
 #include "services/tools/batch/frame_table.h"
 #include "services/tools/batch/log_task.h"
@@ -263,12 +262,10 @@ int Main(int argc, char** argv) {
   AddOthers(program, options);
   return RunProgram(program, argc, argv, [&] {
     try {
-      return program.RunCommand();
+      return RefusingLogs([&] { return program.RunCommand(); });
     } catch (const Interrupted& e) {
       std::cerr << "sprout-batch: " << e.what() << "; the same command continues from here\n";
       return 130;
-    } catch (const LogError& e) {
-      throw ConfigError(e.what());
     }
   });
 }

@@ -7,6 +7,7 @@
 #include <iostream>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "common/app/output_paths.h"
@@ -17,7 +18,6 @@
 #include "common/bus/lcm_url.h"
 #include "common/config/config.h"
 #include "common/core/number_text.h"
-#include "common/logfile/log_error.h"
 #include "common/picture/eight_bits.h"
 #include "common/rig/rig_file.h"
 #include "services/tools/calibrate/board.h"
@@ -120,16 +120,12 @@ Board BoardOf(const BoardOptions& options) {
   if (options.kind == "chessboard") size.kind = BoardKind::kChessboard;
   if (options.kind == "aprilgrid") size.kind = BoardKind::kAprilGrid;
   if (options.marker_mm) size.marker_per_square = *options.marker_mm / options.square_mm;
-  const std::string_view text = options.squares;
-  const size_t cross = std::min(text.find('x'), text.size());
-  const auto columns = ParseNumber<int>(text.substr(0, cross));
-  const auto rows = ParseNumber<int>(text.substr(std::min(cross + 1, text.size())));
-  if (columns && rows) {
-    size.columns = *columns;
-    size.rows = *rows;
-    return Board(size);
+  const auto squares = ParseSize(options.squares);
+  if (!squares) {
+    throw ConfigError("--squares " + options.squares + ": allowed is COLUMNSxROWS, such as 9x6");
   }
-  throw ConfigError("--squares " + options.squares + ": allowed is COLUMNSxROWS, such as 9x6");
+  std::tie(size.columns, size.rows) = *squares;
+  return Board(size);
 }
 
 int RunBoard(const Options& options) {
@@ -339,14 +335,6 @@ void AddImport(Flags& program, Options& options) {
             "The lenses are of OpenCV's fisheye model, which its files do not name");
 }
 
-int RunChosen(const Flags& flags) {
-  try {
-    return flags.RunCommand();
-  } catch (const LogError& e) {
-    throw ConfigError(e.what());  // exit code 2
-  }
-}
-
 }  // namespace
 
 int CalibrateMain(int argc, const char* const* argv) {
@@ -362,7 +350,8 @@ int CalibrateMain(int argc, const char* const* argv) {
   AddImport(flags, options);
   flags.AddVersion(Version());
   flags.SetFooter(kFooter);
-  return RunProgram(flags, argc, argv, [&] { return RunChosen(flags); });
+  return RunProgram(flags, argc, argv,
+                    [&] { return RefusingLogs([&] { return flags.RunCommand(); }); });
 }
 
 }  // namespace sprout::calibrate

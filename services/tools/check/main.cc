@@ -12,7 +12,6 @@
 #include "common/config/config_error.h"
 #include "common/core/image.h"
 #include "common/core/quantile.h"
-#include "common/logfile/log_error.h"
 #include "services/tools/check/capture_listener.h"
 #include "services/tools/check/conversation.h"
 #include "services/tools/check/program_check.h"
@@ -351,10 +350,8 @@ int Main(int argc, char** argv) {
     options.start_timeout = Milliseconds(start_s);
     options.answer_timeout = Milliseconds(answer_s);
     try {
-      if (options.stage == "capture") return CheckCapture(options);
-      return CheckStage(options);
-    } catch (const LogError& e) {
-      throw ConfigError(e.what());  // exit code 2
+      return RefusingLogs(
+          [&] { return options.stage == "capture" ? CheckCapture(options) : CheckStage(options); });
     } catch (const BusError& e) {
       throw ConfigError(e.what());
     }

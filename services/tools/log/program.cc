@@ -4,9 +4,7 @@
 
 #include "common/app/program.h"
 #include "common/app/version.h"
-#include "common/config/config_error.h"
 #include "common/core/signal_watcher.h"
-#include "common/logfile/log_error.h"
 #include "services/tools/log/commands.h"
 
 namespace sprout::log {
@@ -34,9 +32,7 @@ something; 2 a flag or a log that cannot be used. Output logs are renamed into p
 
 int RunChosen(const Flags& flags) {
   try {
-    return flags.RunCommand();
-  } catch (const LogError& e) {
-    throw ConfigError(e.what());  // exit code 2
+    return RefusingLogs([&] { return flags.RunCommand(); });
   } catch (const Interrupted&) {
     std::cerr << "sprout-log: interrupted\n";
     return 130;

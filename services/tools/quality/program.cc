@@ -4,12 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <opencv2/imgproc.hpp>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -20,7 +18,6 @@
 #include "common/bus/lcm_url.h"
 #include "common/config/config_error.h"
 #include "common/core/number_text.h"
-#include "common/logfile/log_error.h"
 #include "common/picture/color_map.h"
 #include "common/picture/html.h"
 #include "common/picture/picture.h"
@@ -68,14 +65,6 @@ std::string PlaneText(const TargetMeter& meter, const TargetMaps& maps) {
       "down, z forward); as disparity {:.4f} px {:+.6f} u {:+.6f} v.</p>\n",
       normal.x(), normal.y(), normal.z(), -plane->offset(), maps.plane->d0, maps.plane->du,
       maps.plane->dv);
-}
-
-std::vector<float> Present(const cv::Mat1f& values) {
-  std::vector<float> present;
-  for (const float value : values) {
-    if (!std::isnan(value)) present.push_back(value);
-  }
-  return present;
 }
 
 std::string Lines(const std::string& text) {
@@ -170,13 +159,15 @@ std::string ReportHtml(const Measurement& measurement, std::span<const Limit> li
           FigureHtml(ResidualPicture(maps, quality),
                      "Depth minus that of the plane, mean of the frames: green lies on it, blue is "
                      "nearer, red farther.") +
-          HistogramSvg("depth minus plane, mean of the frames, mm", Present(maps.residual_mm), {});
+          HistogramSvg("depth minus plane, mean of the frames, mm",
+                       {maps.residual_mm.begin(), maps.residual_mm.end()}, {});
   if (quality.temporal_noise_mm) {
     html += "<h2>Temporal noise</h2>\n" +
             FigureHtml(NoisePicture(maps, quality),
                        "Standard deviation of each pixel over the frames; black: not always a "
                        "depth.") +
-            HistogramSvg("standard deviation over the frames, mm", Present(maps.noise_mm), {});
+            HistogramSvg("standard deviation over the frames, mm",
+                         {maps.noise_mm.begin(), maps.noise_mm.end()}, {});
   }
   return html + PageEnd();
 }
@@ -262,20 +253,11 @@ void AddOutputFlags(Flags& flags, Options& options) {
 }
 
 cv::Rect RectOf(const std::string& flag, const std::string& text) {
-  std::vector<int> numbers;
-  size_t begin = 0;
-  while (begin <= text.size()) {
-    const size_t end = std::min(text.find(',', begin), text.size());
-    const auto number =
-        ParseNumber<int>(Trimmed(std::string_view(text).substr(begin, end - begin)));
-    if (!number) break;
-    numbers.push_back(*number);
-    begin = end + 1;
-  }
-  if (begin <= text.size() || numbers.size() != 4) {
+  const auto numbers = ParseNumbers<int>(',', text);
+  if (!numbers || numbers->size() != 4) {
     throw ConfigError(flag + " " + text + ": allowed is LEFT,TOP,WIDTH,HEIGHT in whole px");
   }
-  return {numbers[0], numbers[1], numbers[2], numbers[3]};
+  return {numbers->at(0), numbers->at(1), numbers->at(2), numbers->at(3)};
 }
 
 // What is asked for, and everything that can be wrong with the flags.
@@ -353,9 +335,7 @@ class Run {
   void WriteImages(const TargetQuality& quality) const {
     const TargetMaps maps = measurement_.meter().Maps();
     const auto write = [&](const char* name, const cv::Mat3b& picture) {
-      if (const Result<void> written = WritePng(options_.images / name, picture); !written) {
-        throw std::runtime_error(written.error().text);
-      }
+      RequireWritten(WritePng(options_.images / name, picture));
     };
     write("region.png", RegionPicture(measurement_));
     write("residuals.png", ResidualPicture(maps, quality));
@@ -367,14 +347,6 @@ class Run {
   std::vector<Limit> limits_;
 };
 
-int RunChosen(const Options& options) {
-  try {
-    return Run(options).Measure();
-  } catch (const LogError& e) {
-    throw ConfigError(e.what());  // exit code 2
-  }
-}
-
 }  // namespace
 
 int QualityMain(int argc, const char* const* argv) {
@@ -384,7 +356,8 @@ int QualityMain(int argc, const char* const* argv) {
   AddOutputFlags(flags, options);
   flags.AddVersion(Version());
   flags.SetFooter(kFooter);
-  return RunProgram(flags, argc, argv, [&] { return RunChosen(options); });
+  return RunProgram(flags, argc, argv,
+                    [&] { return RefusingLogs([&] { return Run(options).Measure(); }); });
 }
 
 }  // namespace sprout::quality
