@@ -18,21 +18,21 @@ constexpr int kFewTilted = 2;         // of each kind
 constexpr std::array<const char*, Coverage::kTilts> kTiltNames = {"right edge", "left edge",
                                                                   "lower edge", "upper edge"};
 
+std::vector<cv::Point2d> PlacesOf(const Board& board, const std::vector<int>& ids) {
+  std::vector<cv::Point2d> places;
+  for (const int id : ids) places.emplace_back(board.corner(id).x(), board.corner(id).y());
+  return places;
+}
+
 // All corners of a board that shows some, as far as they can be told: those whose markers are too
 // small to be read lie where the others say.
 BoardCorners AllCorners(const Board& board, const BoardCorners& found, const cv::Mat1f& amplitude) {
   if (found.size() < kMinCorners) return {};
-  std::vector<cv::Point2d> on_board;
-  for (const int id : found.ids) on_board.emplace_back(board.corner(id).x(), board.corner(id).y());
-  const cv::Mat homography = cv::findHomography(on_board, found.pixels);
+  const cv::Mat homography = cv::findHomography(PlacesOf(board, found.ids), found.pixels);
   if (homography.empty()) return found;
-  std::vector<cv::Point2d> all;
-  for (int id = 0; id < board.corner_count(); ++id) {
-    all.emplace_back(board.corner(id).x(), board.corner(id).y());
-  }
   BoardCorners expected;
-  cv::perspectiveTransform(all, expected.pixels, homography);
   for (int id = 0; id < board.corner_count(); ++id) expected.ids.push_back(id);
+  cv::perspectiveTransform(PlacesOf(board, expected.ids), expected.pixels, homography);
   return FindCornersNear(board, expected, amplitude);
 }
 

@@ -124,10 +124,12 @@ cv::Point Fixed(const cv::Point2d& p) {
           static_cast<int>(std::lround(p.y * (1 << kShift)))};
 }
 
-cv::Mat3b ToColor(const cv::Mat& image) {
-  cv::Mat3b color;
-  cv::cvtColor(ToGrey(image), color, cv::COLOR_GRAY2BGR);
-  return color;
+// A dot at a position of an image of which the picture is a smaller one.
+void DrawDot(cv::Mat3b& picture, const cv::Point2d& pixel, double scale, double radius_px,
+             const cv::Vec3b& color) {
+  cv::circle(picture, Fixed((pixel + cv::Point2d(0.5, 0.5)) * scale),
+             static_cast<int>(radius_px * (1 << kShift)), cv::Scalar(color), cv::FILLED,
+             cv::LINE_AA, kShift);
 }
 
 cv::Mat3b ToWidth(const cv::Mat3b& picture, int width) {
@@ -139,7 +141,7 @@ cv::Mat3b ToWidth(const cv::Mat3b& picture, int width) {
 
 cv::Mat3b Darkened(const cv::Mat& image, int width) {
   cv::Mat3b picture;
-  ToWidth(ToColor(image), width).convertTo(picture, -1, kDarker);
+  ToWidth(ToBgr(ToGrey(image)), width).convertTo(picture, -1, kDarker);
   return picture;
 }
 
@@ -219,17 +221,14 @@ cv::Mat3b CoveragePicture(const CameraQuality& quality, cv::Size size) {
   bool clipped = false;
   for (const CornerResidual& residual : quality.residuals) {
     clipped = clipped || cv::norm(residual.error) > range_px.max;
-    const cv::Vec3b color = ColorOf(cv::norm(residual.error), range_px);
-    const cv::Point2d centre = (residual.pixel + cv::Point2d(0.5, 0.5)) * scale;
-    cv::circle(picture, Fixed(centre), 2 << kShift, cv::Scalar(color[0], color[1], color[2]),
-               cv::FILLED, cv::LINE_AA, kShift);
+    DrawDot(picture, residual.pixel, scale, 2, ColorOf(cv::norm(residual.error), range_px));
   }
   return ScaledPicture(picture, "", {.axes = {{range_px, "px"}}, .above = clipped});
 }
 
 cv::Mat3b PairPicture(const cv::Mat& left, const cv::Mat& right) {
   cv::Mat3b both;
-  cv::hconcat(ToColor(left), ToColor(right), both);
+  cv::hconcat(ToBgr(ToGrey(left)), ToBgr(ToGrey(right)), both);
   both = ToWidth(both, kPairWidth);
   for (int row = 1; row < kRows; ++row) {
     const int y = both.rows * row / kRows;
@@ -246,13 +245,11 @@ cv::Mat3b TofPicture(const cv::Mat& left, const TofImage& tof, const Rig& rig) {
   int behind = 0;
   for (const ProjectedPoint& point : TofProjector(rig).Project(tof, behind)) {
     const float depth_m = tof.depth_m(point.tof_v, point.tof_u);
-    const cv::Vec3b color = ColorOfDepth(depth_m, range_m);
     const cv::Point2d pixel(point.seed.u, point.seed.v);
     if (!cv::Rect2d({0, 0}, cv::Size2d(left.size())).contains(pixel)) continue;
     content.above = content.above || depth_m < range_m.min;  // near is up
     content.below = content.below || depth_m > range_m.max;
-    cv::circle(picture, Fixed((pixel + cv::Point2d(0.5, 0.5)) * scale), 3 << (kShift - 1),
-               cv::Scalar(color[0], color[1], color[2]), cv::FILLED, cv::LINE_AA, kShift);
+    DrawDot(picture, pixel, scale, 1.5, ColorOfDepth(depth_m, range_m));
   }
   return ScaledPicture(picture, "", content);
 }
@@ -264,10 +261,8 @@ cv::Mat3b DotsPicture(const cv::Mat& image, const std::vector<cv::Point2d>& plac
   const ValueRange range_px{0, most_px};
   bool clipped = false;
   for (size_t i = 0; i < places.size(); ++i) {
-    const cv::Vec3b color = ColorOf(values_px[i], range_px);
     clipped = clipped || values_px[i] > most_px;
-    cv::circle(picture, Fixed((places[i] + cv::Point2d(0.5, 0.5)) * scale), 2 << kShift,
-               cv::Scalar(color[0], color[1], color[2]), cv::FILLED, cv::LINE_AA, kShift);
+    DrawDot(picture, places[i], scale, 2, ColorOf(values_px[i], range_px));
   }
   return ScaledPicture(picture, "", {.axes = {{range_px, "px"}}, .above = clipped});
 }

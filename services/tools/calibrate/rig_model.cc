@@ -126,10 +126,7 @@ bool IsOneLine(const Board& board, const BoardCorners& corners) {
 }
 
 Eigen::Isometry3d ToTransform(const Pose& pose) {
-  Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
-  transform.linear() = pose.rotation.toRotationMatrix();
-  transform.translation() = pose.translation_m;
-  return transform;
+  return Eigen::Translation3d(pose.translation_m) * pose.rotation;
 }
 
 Pose ToPose(const Eigen::Isometry3d& transform) {

@@ -4,13 +4,13 @@
 #include <unistd.h>
 
 #include <array>
-#include <cerrno>
 #include <iostream>
 #include <optional>
 #include <stop_token>
 #include <system_error>
 #include <vector>
 
+#include "common/app/output_paths.h"
 #include "common/app/progress.h"
 #include "common/bus/channels.h"
 #include "common/bus/mailbox.h"
@@ -35,14 +35,7 @@ class ViewFolder {
  public:
   ViewFolder(const Board& board, const fs::path& folder)
       : folder_(folder), collector_(board), coverage_(board) {
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error) throw ConfigError("--out " + folder.string() + ": " + error.message());
-    // Now, and not when the board has been shown.
-    if (access(folder.c_str(), W_OK) != 0) {
-      error.assign(errno, std::system_category());
-      throw ConfigError("--out " + folder.string() + ": cannot be written: " + error.message());
-    }
+    RequireWritableFolder("--out", folder, {"left_0001.png"});  // not when the board has been shown
     if (!fs::is_empty(folder)) {
       constexpr int kFoundOut = 0;  // its own images have 8 bits
       ReadImageFolder(folder, kFoundOut,
