@@ -36,6 +36,13 @@ std::optional<T> ValueAt(const cv::Mat& map, int u, int v) {
   return map.at<T>(v, u);
 }
 
+// The disparity there, px.
+std::optional<double> PxAt(const DisparityImage& map, int u, int v) {
+  const auto count = ValueAt<int16_t>(map.counts(), u, v);
+  if (!count || *count == DisparityImage::kInvalid) return std::nullopt;
+  return static_cast<double>(*count) / DisparityImage::kCountsPerPixel;
+}
+
 int16_t ToInt16(float value) {
   return static_cast<int16_t>(std::lround(std::clamp(value, -32768.0F, 32767.0F)));
 }
@@ -128,24 +135,18 @@ namespace {
 void AddMaps(DecodedFrame& frame, int u, int v, nlohmann::json& json) {
   const auto* rig = frame.Get<Rig>(Part::kRig);
   if (const auto* map = frame.Get<DisparityImage>(Part::kDisparity)) {
-    const auto count = ValueAt<int16_t>(map->counts(), u, v);
-    if (count && *count != DisparityImage::kInvalid) {
-      const double px = static_cast<double>(*count) / DisparityImage::kCountsPerPixel;
-      json["disparity_px"] = px;
-      const double depth_m = rig == nullptr ? 0 : rig->pair.DepthFromDisparity(px);
+    if (const auto px = PxAt(*map, u, v)) {
+      json["disparity_px"] = *px;
+      const double depth_m = rig == nullptr ? 0 : rig->pair.DepthFromDisparity(*px);
       if (depth_m > 0 && std::isfinite(depth_m)) json["depth_m"] = depth_m;
     }
   }
   if (const auto* fused = frame.Get<DisparityImage>(Part::kFused)) {
-    const auto count = ValueAt<int16_t>(fused->counts(), u, v);
-    if (count && *count != DisparityImage::kInvalid) {
-      json["fused_px"] = static_cast<double>(*count) / DisparityImage::kCountsPerPixel;
-    }
+    if (const auto px = PxAt(*fused, u, v)) json["fused_px"] = *px;
   }
   if (const auto* prior = frame.Get<PriorMap>(Part::kPrior)) {
-    const auto count = ValueAt<int16_t>(prior->disparity.counts(), u, v);
-    if (count && *count != DisparityImage::kInvalid) {
-      json["prior_px"] = static_cast<double>(*count) / DisparityImage::kCountsPerPixel;
+    if (const auto px = PxAt(prior->disparity, u, v)) {
+      json["prior_px"] = *px;
       json["sigma_px"] = SigmaToPx(prior->sigma(v, u));
     }
   }
