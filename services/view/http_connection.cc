@@ -60,8 +60,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (error == http::error::header_limit || error == http::error::body_limit ||
         error == http::error::unexpected_body) {
       keep_alive_ = false;
-      return Write(
-          {.status = 413, .body = "the request is too large\n", .file = {}, .file_name = {}});
+      return Write({.status = 413, .body = "the request is too large\n"});
     }
     if (error) return Close();
     request_ = parser_->release();
@@ -83,7 +82,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void Upgrade(const HttpRequest& request) {
     const auto refuse = [this](int status, const char* text) {
       keep_alive_ = false;
-      Write({.status = status, .body = text, .file = {}, .file_name = {}});
+      Write({.status = status, .body = text});
     };
     if (request.target != "/ws") return refuse(404, "the WebSocket is at /ws\n");
     if (host_.empty() || !IsOwnOrigin(request.origin, request.host)) {

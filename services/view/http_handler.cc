@@ -75,7 +75,7 @@ constexpr int64_t kMaxSeconds = 3600;
 constexpr int64_t kMaxBuckets = 2000;
 
 HttpReply Refusal(int status, std::string text) {
-  return {.status = status, .body = std::move(text) + "\n", .file = {}, .file_name = {}};
+  return {.status = status, .body = std::move(text) + "\n"};
 }
 
 HttpReply Busy(const char* what) {
@@ -105,10 +105,7 @@ HttpReply HttpHandler::Answer(const HttpRequest& request) const {
   const std::string_view path = target.path == "/" ? "/index.html" : std::string_view(target.path);
   for (const PageFile& file : PageFiles()) {
     if (file.path != path) continue;
-    return {.type = std::string(file.type),
-            .body = std::string(file.bytes),
-            .file = {},
-            .file_name = {}};
+    return {.type = std::string(file.type), .body = std::string(file.bytes)};
   }
   if (IsCrossSite(request)) return Refusal(403, "requests of other sites' pages are refused");
   if (target.path == "/thumb") return Thumbnail(target);
@@ -126,7 +123,7 @@ HttpReply HttpHandler::Thumbnail(const HttpTarget& target) const {
   EncodedPartPtr picture = encoder_.EncodePicture(frame, Picture::kLeft, kThumbnailWidth);
   if (!picture) picture = encoder_.EncodePicture(frame, Picture::kDisparity, kThumbnailWidth);
   if (!picture) return Refusal(404, "the frame has no picture");
-  return {.type = "image/jpeg", .body = picture->body, .file = {}, .file_name = {}};
+  return {.type = "image/jpeg", .body = picture->body};
 }
 
 HttpReply HttpHandler::Save(const HttpTarget& target) const {
@@ -144,7 +141,6 @@ HttpReply HttpHandler::Save(const HttpTarget& target) const {
   if (!file) return Refusal(404, file.error().text);
   if (!*file) return Busy("a frame");
   return {.type = "application/octet-stream",
-          .body = {},
           .file = *file,
           .file_name = fmt::format("{:06}_{}", frame->id.seq, what->second)};
 }
@@ -160,17 +156,14 @@ HttpReply HttpHandler::SaveLog(const HttpTarget& target) const {
                                });
   if (!file) return Refusal(500, file.error().text);
   if (!*file) return Busy("a log");
-  return {.type = "application/octet-stream", .body = {}, .file = *file, .file_name = "sprout.lcm"};
+  return {.type = "application/octet-stream", .file = *file, .file_name = "sprout.lcm"};
 }
 
 HttpReply HttpHandler::TimeLine(const HttpTarget& target) const {
   if (log_ == nullptr) return Refusal(404, "only a log has a time line");
   const auto buckets = target.Number("buckets", 1, kMaxBuckets);
   if (!buckets) return Refusal(400, fmt::format("buckets: allowed are 1 to {}", kMaxBuckets));
-  return {.type = "application/json",
-          .body = log_->TimeLineText(static_cast<int>(*buckets)),
-          .file = {},
-          .file_name = {}};
+  return {.type = "application/json", .body = log_->TimeLineText(static_cast<int>(*buckets))};
 }
 
 }  // namespace sprout::view

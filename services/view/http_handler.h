@@ -17,9 +17,9 @@ class LogFile;
 struct HttpReply {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";
-  std::string body;
-  SharedFiles::File file;  ///< held until it is sent
-  std::string file_name;   ///< to save it under; empty: shown, not saved
+  std::string body = {};
+  SharedFiles::File file = {};  ///< held until it is sent
+  std::string file_name = {};   ///< to save it under; empty: shown, not saved
 };
 
 /// Answers requests, without a socket: the files of the page, thumbnails, the time line of a log,

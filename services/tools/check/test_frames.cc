@@ -294,10 +294,7 @@ std::vector<TestFrame> ReadTestFrames(const std::filesystem::path& log,
   std::map<FrameId, TestFrame> by_time;
   for (size_t i = 0; i < index.frames().size(); ++i) {
     const IndexedFrame places = index.At(i);
-    TestFrame frame{.name = "frame " + std::to_string(places.id.seq),
-                    .rig_id = places.id.rig_id,
-                    .parts = {},
-                    .recorded = {}};
+    TestFrame frame{.name = "frame " + std::to_string(places.id.seq), .rig_id = places.id.rig_id};
     for (auto& part : FetchParts(fetcher, places, inputs)) frame.parts.insert(std::move(part));
     for (auto& [part, value] : FetchParts(fetcher, places, {contract.answer})) {
       frame.recorded = std::move(value);

@@ -18,8 +18,8 @@ namespace sprout::check {
 struct TestFrame {
   std::string name;  ///< "frame 3", "frame 3 without seeds": for findings
   std::string rig_id;
-  std::map<Part, PartValue> parts;    ///< the stage's inputs
-  std::optional<PartValue> recorded;  ///< the stage's answer, if the log has it
+  std::map<Part, PartValue> parts = {};    ///< the stage's inputs
+  std::optional<PartValue> recorded = {};  ///< the stage's answer, if the log has it
 
   const Rig& rig() const { return std::get<Rig>(parts.at(Part::kRig)); }
 };

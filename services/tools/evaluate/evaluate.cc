@@ -63,7 +63,6 @@ SceneResult EvaluateScene(const Scene& scene, const std::vector<Method>& methods
                           const ChainSettings& settings, int repeat, const OnMethod& on_method) {
   SceneResult result{.name = scene.name,
                      .size = scene.size(),
-                     .methods = {},
                      .refinement = JudgeRefinement(scene, settings.config.refine())};
   for (const Method& method : methods) {
     on_method(method);

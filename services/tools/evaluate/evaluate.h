@@ -33,22 +33,22 @@ std::vector<Method> SelectMethods(const std::vector<std::string>& names);
 /// One method on one scene.
 struct MethodResult {
   std::string name;
-  Accuracy nonoccluded;  ///< on the pixels that both cameras see
-  Accuracy all;          ///< on all pixels with a known truth
-  Accuracy away;         ///< on those of them away from every ToF point
+  Accuracy nonoccluded = {};  ///< on the pixels that both cameras see
+  Accuracy all = {};          ///< on all pixels with a known truth
+  Accuracy away = {};         ///< on those of them away from every ToF point
   /// How well the whole chain's confidence ranks the pixels that both cameras see, on KITTI only
   /// those away from every ToF point.
-  std::optional<Sparsification> confidence;
-  std::optional<Calibration> calibration;  ///< where it claims probabilities
-  StageTimes ms;                           ///< median of each stage's times
-  cv::Mat1f map_px;                        ///< NaN = none
+  std::optional<Sparsification> confidence = {};
+  std::optional<Calibration> calibration = {};  ///< where it claims probabilities
+  StageTimes ms = {};                           ///< median of each stage's times
+  cv::Mat1f map_px = {};                        ///< NaN = none
 };
 
 struct SceneResult {
   std::string name;
   cv::Size size;
-  std::vector<MethodResult> methods;
-  RefinementQuality refinement;
+  std::vector<MethodResult> methods = {};
+  RefinementQuality refinement = {};
 };
 
 /// Called before each method.

@@ -19,14 +19,7 @@ MethodResult ResultOf(const std::string& name, double bad, double claimed) {
   }
   Calibration calibration;
   calibration.bins.back() = {.claimed_percent = claimed, .bad1_percent = 10 * bad};
-  return {.name = name,
-          .nonoccluded = {},
-          .all = {},
-          .away = {},
-          .confidence = curve,
-          .calibration = calibration,
-          .ms = {},
-          .map_px = {}};
+  return {.name = name, .confidence = curve, .calibration = calibration};
 }
 
 SceneResult SceneWith(const std::string& name, std::vector<MethodResult> methods) {

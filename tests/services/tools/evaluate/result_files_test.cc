@@ -27,15 +27,11 @@ MethodResult SomeMethod(const std::string& name) {
   return {.name = name,
           .nonoccluded = SomeAccuracy(),
           .all = {.scored = 400},
-          .away = {},
-          .confidence = {},
-          .calibration = {},
-          .ms = {.refine_ms = 1, .prior_ms = 2, .grow_ms = 3, .fill_ms = 4, .total_ms = 10},
-          .map_px = {}};
+          .ms = {.refine_ms = 1, .prior_ms = 2, .grow_ms = 3, .fill_ms = 4, .total_ms = 10}};
 }
 
 RunResult SomeRun() {
-  SceneResult scene{.name = "Monopoly", .size = {30, 20}, .methods = {}, .refinement = {}};
+  SceneResult scene{.name = "Monopoly", .size = {30, 20}};
   scene.methods = {SomeMethod("epc"), SomeMethod("fgs")};
   scene.refinement.refined = {.seeds = std::vector<Seed>(160),
                               .raw = 200,
