@@ -7,6 +7,7 @@
 
 #include "common/app/help_text.h"
 #include "common/config/config_error.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout {
 namespace {
@@ -21,12 +22,7 @@ bool Parse(Flags& flags, std::vector<const char*> arguments) {
 }
 
 std::string ErrorOf(Flags& flags, const std::vector<const char*>& arguments) {
-  try {
-    Parse(flags, arguments);
-    return "";
-  } catch (const ConfigError& e) {
-    return e.what();
-  }
+  return Thrown<ConfigError>([&] { Parse(flags, arguments); });
 }
 
 std::string HelpOf(Flags& flags) {
@@ -78,7 +74,7 @@ TEST(Flags, RefuseWhatIsNotAllowedAndSayWhatIs) {
   EXPECT_THAT(ErrorOf(flags, {"--way", "left"}), HasSubstr("left not in {up,down}"));
   EXPECT_THAT(ErrorOf(flags, {"--bogus"}),
               HasSubstr("--bogus is no flag of probe (--help lists the flags)"));
-  EXPECT_EQ(ErrorOf(flags, {"--share", "1", "--count", "9", "--way", "up"}), "");
+  EXPECT_EQ(ErrorOf(flags, {"--share", "1", "--count", "9", "--way", "up"}), "no error");
 }
 
 TEST(Flags, ListInTheirHelpWhatTheyTakeTheirDefaultsAndEachOtherByName) {
@@ -136,7 +132,7 @@ TEST(Flags, SayWhatWasMeantByACommandOrFlagThatIsNone) {
             "--uot is no flag of probe: did you mean --out? (--help lists the flags)");
   EXPECT_EQ(ErrorOf(flags, {"files", "l.png", "r.png", "tof.png", "--out", "o"}),
             "'tof.png' is one argument too many (--help lists what is taken)");
-  EXPECT_EQ(ErrorOf(flags, {"files", "l.png", "r.png", "--out", "o"}), "");
+  EXPECT_EQ(ErrorOf(flags, {"files", "l.png", "r.png", "--out", "o"}), "no error");
 }
 
 TEST(NearestName, IsFoundDespiteAFewWrongLettersButNotInAnything) {

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "common/bus/channels.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout {
 namespace {
@@ -12,12 +13,7 @@ namespace {
 using ::testing::HasSubstr;
 
 std::string ErrorOf(const std::string& url) {
-  try {
-    OpenLcm(url);
-  } catch (const BusError& e) {
-    return e.what();
-  }
-  return "";
+  return Thrown<BusError>([&] { OpenLcm(url); });
 }
 
 TEST(ReceiveBufferWarning, NamesWhatIsGrantedAndWhatToDo) {

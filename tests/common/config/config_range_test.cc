@@ -11,6 +11,7 @@
 
 #include "common/config/config.h"
 #include "tests/common/picture/temporary_directory.h"
+#include "tests/common/testing/thrown.h"
 
 // Walks every field of the configuration by reflection, so that a new field is tested too.
 namespace sprout {
@@ -66,12 +67,7 @@ SproutConfig DefaultsWith(const RangedField& ranged, double value) {
 }
 
 std::string ErrorOf(const SproutConfig& config) {
-  try {
-    RequireInRange(config, "");
-  } catch (const ConfigError& e) {
-    return e.what();
-  }
-  return "";
+  return Thrown<ConfigError>([&] { RequireInRange(config, ""); });
 }
 
 std::string Text(double number) {
@@ -91,7 +87,7 @@ TEST(ConfigRange, HasBothEndsInOrderAndTheDefaultInside) {
     EXPECT_TRUE(ranged.allowed.has_min() && ranged.allowed.has_max()) << ranged.key;
     EXPECT_LT(ranged.allowed.min(), ranged.allowed.max()) << ranged.key;
   }
-  EXPECT_EQ(ErrorOf(LoadConfig({})), "");
+  EXPECT_EQ(ErrorOf(LoadConfig({})), "no error");
 }
 
 TEST(ConfigRange, IsStatedForEverySignedNumber) {
@@ -106,8 +102,8 @@ TEST(ConfigRange, IsStatedForEverySignedNumber) {
 
 TEST(ConfigRange, IncludesBothEnds) {
   for (const RangedField& ranged : RangedFields()) {
-    EXPECT_EQ(ErrorOf(DefaultsWith(ranged, ranged.allowed.min())), "") << ranged.key;
-    EXPECT_EQ(ErrorOf(DefaultsWith(ranged, ranged.allowed.max())), "") << ranged.key;
+    EXPECT_EQ(ErrorOf(DefaultsWith(ranged, ranged.allowed.min())), "no error") << ranged.key;
+    EXPECT_EQ(ErrorOf(DefaultsWith(ranged, ranged.allowed.max())), "no error") << ranged.key;
   }
 }
 
@@ -126,8 +122,8 @@ TEST(ConfigRange, RefusesWhatIsOutsideAndNamesKeyValueAndRange) {
                                                           " to " + Text(max));
     }
     if (!IsInteger(ranged)) {
-      EXPECT_NE(ErrorOf(DefaultsWith(ranged, std::nextafter(min, -inf))), "") << ranged.key;
-      EXPECT_NE(ErrorOf(DefaultsWith(ranged, std::nextafter(max, inf))), "") << ranged.key;
+      EXPECT_NE(ErrorOf(DefaultsWith(ranged, std::nextafter(min, -inf))), "no error") << ranged.key;
+      EXPECT_NE(ErrorOf(DefaultsWith(ranged, std::nextafter(max, inf))), "no error") << ranged.key;
     }
   }
 }
@@ -138,12 +134,8 @@ TEST(ConfigRange, IsCheckedWhenAFileIsLoaded) {
   for (const RangedField& ranged : RangedFields()) {
     for (const double value : {ranged.allowed.min() - 1, ranged.allowed.max() + 1}) {
       std::ofstream(path) << ConfigText(DefaultsWith(ranged, value));
-      try {
-        LoadConfig({path.string()});
-        ADD_FAILURE() << ranged.key << " = " << value << " was accepted";
-      } catch (const ConfigError& e) {
-        EXPECT_THAT(e.what(), HasSubstr(ranged.key));
-      }
+      EXPECT_THAT(Thrown<ConfigError>([&] { LoadConfig({path.string()}); }), HasSubstr(ranged.key))
+          << value;
     }
   }
   std::ofstream(path) << "capture { sr4000 { view_margin: nan } }";
@@ -153,12 +145,8 @@ TEST(ConfigRange, IsCheckedWhenAFileIsLoaded) {
 TEST(ConfigRange, OfAPartIsNamedWithThePrefix) {
   CaptureConfig capture;
   capture.mutable_sr4000()->set_view_margin(8);
-  try {
-    RequireInRange(capture, "capture");
-    ADD_FAILURE() << "accepted";
-  } catch (const ConfigError& e) {
-    EXPECT_STREQ(e.what(), "capture.sr4000.view_margin = 8: out of range; allowed: 0.5 to 4");
-  }
+  EXPECT_EQ(Thrown<ConfigError>([&] { RequireInRange(capture, "capture"); }),
+            "capture.sr4000.view_margin = 8: out of range; allowed: 0.5 to 4");
 }
 
 TEST(ConfigText, LoadsAgainToTheSameText) {

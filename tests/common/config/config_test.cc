@@ -10,6 +10,7 @@
 #include "common/config/frame_range.h"
 #include "common/config/left_out.h"
 #include "tests/common/picture/temporary_directory.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout {
 namespace {
@@ -99,12 +100,8 @@ TEST_F(ConfigFiles, TakesTextInPlaceOfAFile) {
   EXPECT_DOUBLE_EQ(config.grow().sigma_p_px(), 2.5);
   EXPECT_TRUE(config.prior().left_seeds());
   EXPECT_EQ(config.prior().method(), PriorConfig::DELAUNAY);
-  try {
-    LoadConfig({"grow {\n no_such: 1 }"});
-    FAIL() << "took an unknown key";
-  } catch (const ConfigError& e) {
-    EXPECT_THAT(e.what(), AllOf(HasSubstr("configuration text:2:"), HasSubstr("no_such")));
-  }
+  EXPECT_THAT(Thrown<ConfigError>([&] { LoadConfig({"grow {\n no_such: 1 }"}); }),
+              AllOf(HasSubstr("configuration text:2:"), HasSubstr("no_such")));
 }
 
 TEST_F(ConfigFiles, NamesFileLineAndKeyOfAnUnknownKey) {

@@ -6,6 +6,7 @@
 #include "common/logfile/log_error.h"
 #include "tests/common/app/log_files.h"
 #include "tests/common/picture/temporary_directory.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout {
 namespace {
@@ -64,12 +65,8 @@ TEST_F(LogFramesTest, RefusesTwoAnswersForOneFrameUnlessTheyAreOne) {
   EXPECT_EQ(Read(same).at(0).seeds->raw, 9);
   const std::vector<TestEvent> two = {LeftEvent(4, 1), SeedsEvent(4, 8), LeftEvent(5, 1),
                                       SeedsEvent(4, 9)};
-  try {
-    Read(two);
-    ADD_FAILURE() << "not refused";
-  } catch (const LogError& e) {
-    EXPECT_THAT(e.what(), HasSubstr("two answers for frame 4: SPROUT_SEEDS at bytes "));
-  }
+  EXPECT_THAT(Thrown<LogError>([&] { Read(two); }),
+              HasSubstr("two answers for frame 4: SPROUT_SEEDS at bytes "));
   // Nobody is misled by what is not read.
   EXPECT_THAT(Seqs(Read(two, {.parts = {Part::kLeft}})), ElementsAre(4, 5));
 }

@@ -5,6 +5,7 @@
 
 #include "common/logfile/event_fetcher.h"
 #include "tests/common/logfile/sample_log.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout {
 namespace {
@@ -90,12 +91,7 @@ TEST(LogReader, ReadsLogsOneBehindTheOther) {
 }
 
 std::string ErrorOfOpening(const std::filesystem::path& path) {
-  try {
-    const LogReader reader(path);
-  } catch (const LogError& e) {
-    return e.what();
-  }
-  return "";
+  return Thrown<LogError>([&] { const LogReader reader(path); });
 }
 
 TEST(LogReader, RefusesWhatIsNoLog) {

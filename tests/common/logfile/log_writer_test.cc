@@ -4,21 +4,12 @@
 #include <lcm/lcm.h>
 
 #include "tests/common/logfile/sample_log.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout {
 namespace {
 
 using testing::HasSubstr;
-
-template <typename Function>
-std::string ErrorOf(Function function) {
-  try {
-    function();
-  } catch (const LogError& e) {
-    return e.what();
-  }
-  return "";
-}
 
 TEST(LogWriter, WritesWhatLcmReads) {
   const TemporaryDirectory folder;
@@ -66,36 +57,39 @@ TEST(LogWriter, LeavesNothingBehindWithoutClose) {
 TEST(LogWriter, OverwritesOnDemandOnly) {
   const TemporaryDirectory folder;
   WriteBytes(folder / "log", {1, 2, 3});
-  EXPECT_THAT(ErrorOf([&] { LogWriter(folder / "log", /*overwrite=*/false); }),
+  EXPECT_THAT(Thrown<LogError>([&] { LogWriter(folder / "log", /*overwrite=*/false); }),
               HasSubstr("exists already; --force"));
   EXPECT_EQ(ReadBytes(folder / "log"), (Bytes{1, 2, 3}));
   EXPECT_EQ(folder.CountEntries(), 1);
-  EXPECT_EQ(ErrorOf([&] { LogWriter("/dev/null", /*overwrite=*/false).Close(); }), "");
+  EXPECT_EQ(Thrown<LogError>([&] { LogWriter("/dev/null", /*overwrite=*/false).Close(); }),
+            "no error");
 }
 
 TEST(LogWriter, NamesAFileThatCannotBeCreated) {
   const TemporaryDirectory folder;
   const auto path = folder / "none" / "log";
-  EXPECT_EQ(ErrorOf([&] { LogWriter writer(path); }),
+  EXPECT_EQ(Thrown<LogError>([&] { LogWriter writer(path); }),
             path.string() + ": cannot be written (No such file or directory)");
 }
 
 TEST(LogWriter, ReportsAFullDiskInClose) {
   LogWriter writer("/dev/full");
   writer.Write(1, "A", Bytes(10));  // stays in the buffer
-  EXPECT_THAT(ErrorOf([&] { writer.Close(); }), HasSubstr("No space left"));
+  EXPECT_THAT(Thrown<LogError>([&] { writer.Close(); }), HasSubstr("No space left"));
 }
 
 TEST(LogWriter, ReportsAFullDiskInWrite) {
   LogWriter writer("/dev/full");
-  EXPECT_THAT(ErrorOf([&] { writer.Write(1, "A", Bytes(4 << 20)); }), HasSubstr("No space left"));
+  EXPECT_THAT(Thrown<LogError>([&] { writer.Write(1, "A", Bytes(4 << 20)); }),
+              HasSubstr("No space left"));
 }
 
 TEST(LogWriter, RefusesChannelsThatLcmDoesNotKnow) {
   const TemporaryDirectory folder;
   LogWriter writer(folder / "log");
-  EXPECT_THAT(ErrorOf([&] { writer.Write(1, "", {}); }), HasSubstr("1 to 63"));
-  EXPECT_THAT(ErrorOf([&] { writer.Write(1, std::string(64, 'A'), {}); }), HasSubstr("1 to 63"));
+  EXPECT_THAT(Thrown<LogError>([&] { writer.Write(1, "", {}); }), HasSubstr("1 to 63"));
+  EXPECT_THAT(Thrown<LogError>([&] { writer.Write(1, std::string(64, 'A'), {}); }),
+              HasSubstr("1 to 63"));
   writer.Write(1, std::string(63, 'A'), {});
   EXPECT_EQ(writer.events(), 1);
 }

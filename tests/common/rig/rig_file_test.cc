@@ -14,6 +14,7 @@
 #include "common/rig/rectifier.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/common/rig/tilted_rig.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout {
 namespace {
@@ -29,12 +30,7 @@ class RigFile : public ::testing::Test {
   }
 
   std::string Error() const {
-    try {
-      RequireCalibration(LoadRigFile(path_), path_);
-      return "no error";
-    } catch (const ConfigError& e) {
-      return e.what();
-    }
+    return Thrown<ConfigError>([&] { RequireCalibration(LoadRigFile(path_), path_); });
   }
 
   // Of the tilted rig with one change.
@@ -62,12 +58,8 @@ TEST_F(RigFile, HasTheBoardsCalibrationBesideOneThatWasPutRight) {
   EXPECT_EQ(BoardCalibrationOf(rig)->range_offset_m, 0.125);
   EXPECT_EQ(CalibrationOf(rig)->range_offset_m, TiltedRig().range_offset_m);
   rig.mutable_board_calibration()->mutable_right()->set_fx(-1);
-  try {
-    BoardCalibrationOf(rig);
-    FAIL() << "no error";
-  } catch (const ConfigError& e) {
-    EXPECT_THAT(e.what(), HasSubstr("board_calibration.right.fx = -1"));
-  }
+  EXPECT_THAT(Thrown<ConfigError>([&] { BoardCalibrationOf(rig); }),
+              HasSubstr("board_calibration.right.fx = -1"));
 }
 
 TEST_F(RigFile, KeepsEveryNumberOfACalibration) {
@@ -190,12 +182,7 @@ TEST_F(RigFile, MayPlaceCamerasWithoutACalibration) {
 TEST_F(RigFile, NamesThePlaceThatCannotBeUsed) {
   const auto error = [&](const std::string& text) {
     Write(text);
-    try {
-      PlacesOf(LoadRigFile(path_), path_);
-      return std::string("no error");
-    } catch (const ConfigError& e) {
-      return std::string(e.what());
-    }
+    return Thrown<ConfigError>([&] { PlacesOf(LoadRigFile(path_), path_); });
   };
   const std::string lens = "lens { width: 64 height: 48 fx: 50 fy: 50 cx: 32 cy: 24 }";
   EXPECT_THAT(error("base_from_left { rotation: [1, 1, 0, 0] }"),

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "tests/common/scenes/some_pair.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout::scenes {
 namespace {
@@ -335,12 +336,8 @@ TEST(Sr4000, GivesTheSameBytesForTheSameFrameAndSeedOnly) {
 TEST(Sr4000, RefusesParametersOutOfRange) {
   Sr4000Config config;
   config.set_flying_pixels(1.5);
-  try {
-    Measure(Wall(1, 1), config);
-    FAIL();
-  } catch (const ConfigError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("capture.sr4000.flying_pixels = 1.5"));
-  }
+  EXPECT_THAT(Thrown<ConfigError>([&] { Measure(Wall(1, 1), config); }),
+              testing::HasSubstr("capture.sr4000.flying_pixels = 1.5"));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "common/config/config_error.h"
 #include "common/geometry/projection.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout::scenes {
 namespace {
@@ -82,12 +83,8 @@ TEST(TofGrid, HasNoReturnWithoutAPositiveFiniteDepth) {
 
 TEST(TofGrid, RefusesAStepThatLeavesNoPoint) {
   for (int step : {0, -1, 31}) {
-    try {
-      TofGridCamera(SomePair(40, 30), step);
-      FAIL() << step;
-    } catch (const ConfigError& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr("allowed: 1 to 30"));
-    }
+    EXPECT_THAT(Thrown<ConfigError>([&] { TofGridCamera(SomePair(40, 30), step); }),
+                testing::HasSubstr("allowed: 1 to 30"));
   }
 }
 

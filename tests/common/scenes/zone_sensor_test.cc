@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/common/testing/thrown.h"
+
 namespace sprout::scenes {
 namespace {
 
@@ -156,12 +158,8 @@ TEST(ZoneSensor, HasTheStatedNoiseAndSaysSo) {
 TEST(ZoneSensor, RefusesValuesOutOfRange) {
   ZonesConfig config;
   config.set_columns(65);
-  try {
-    ZoneSensor(ZonesPair(), config, 1);
-    FAIL();
-  } catch (const ConfigError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("capture.zones.columns = 65"));
-  }
+  EXPECT_THAT(Thrown<ConfigError>([&] { ZoneSensor(ZonesPair(), config, 1); }),
+              HasSubstr("capture.zones.columns = 65"));
 }
 
 }  // namespace

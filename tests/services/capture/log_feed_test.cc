@@ -7,6 +7,7 @@
 #include "tests/common/app/captured_log.h"
 #include "tests/common/app/log_files.h"
 #include "tests/common/picture/temporary_directory.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout::capture {
 namespace {
@@ -29,12 +30,7 @@ class LogFeedTest : public ::testing::Test {
   }
 
   std::string ErrorOf(const std::vector<TestEvent>& events, const std::string& prefix = "") {
-    try {
-      Open(events, false, prefix);
-      return "no error";
-    } catch (const ConfigError& e) {
-      return e.what();
-    }
+    return Thrown<ConfigError>([&] { Open(events, false, prefix); });
   }
 
   // Numbers of all frames that are left.
@@ -197,12 +193,8 @@ TEST_F(LogFeedTest, SaysWhyACalibrationIsUnusable) {
 }
 
 TEST_F(LogFeedTest, NamesAFileThatIsNoLog) {
-  try {
-    OpenLogFeed(folder_ / "missing", "", false, monitor_);
-    FAIL();
-  } catch (const ConfigError& e) {
-    EXPECT_THAT(e.what(), HasSubstr("capture.source = log:" + std::string(folder_ / "missing")));
-  }
+  EXPECT_THAT(Thrown<ConfigError>([&] { OpenLogFeed(folder_ / "missing", "", false, monitor_); }),
+              HasSubstr("capture.source = log:" + std::string(folder_ / "missing")));
 }
 
 TEST_F(LogFeedTest, OpensFromTheConfiguration) {

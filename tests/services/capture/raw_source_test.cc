@@ -15,6 +15,7 @@
 #include "tests/common/app/log_files.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/common/rig/tilted_rig.h"
+#include "tests/common/testing/thrown.h"
 #include "tests/services/capture/raw_frame.h"
 
 namespace sprout::capture {
@@ -50,12 +51,7 @@ class VideoTest : public ::testing::Test {
   }
 
   std::string ErrorOf(const std::string& source, const FeedOptions& options = {}) {
-    try {
-      OpenCaptureFeed(Config(source), options, monitor_);
-      return "no error";
-    } catch (const ConfigError& e) {
-      return e.what();
-    }
+    return Thrown<ConfigError>([&] { OpenCaptureFeed(Config(source), options, monitor_); });
   }
 
   static cv::Mat ImageOf(const CaptureMessages& frame, Part part) {
@@ -226,12 +222,8 @@ TEST_F(VideoTest, RefusesAListThatIsNoneOrAnImageThatIsTooLarge) {
   }
   std::ofstream(Path("big00.pgm")) << "P5\n20000 20000\n255\n";
   const auto opened = OpenCameras("opencv:" + Path("big%02d.pgm"), false);
-  try {
-    opened.cameras->Next({});
-    ADD_FAILURE() << "taken";
-  } catch (const ConfigError& e) {
-    EXPECT_THAT(e.what(), AllOf(HasSubstr("big00.pgm: 20000x20000 px"), HasSubstr("allowed")));
-  }
+  EXPECT_THAT(Thrown<ConfigError>([&] { opened.cameras->Next({}); }),
+              AllOf(HasSubstr("big00.pgm: 20000x20000 px"), HasSubstr("allowed")));
 }
 
 TEST_F(VideoTest, StartsAListWithTheFirstNumberThatIsThere) {

@@ -16,6 +16,7 @@
 #include "services/capture/ros2/ros_source.h"
 #include "tests/common/messages/examples.h"
 #include "tests/common/picture/temporary_directory.h"
+#include "tests/common/testing/thrown.h"
 
 // Recordings of ROS 2's messages for tests, and what is read of them.
 namespace sprout::capture {
@@ -96,13 +97,10 @@ inline std::vector<scenes::CapturedFrame> All(scenes::FrameSource& source) {
 }
 
 inline std::string Complaint(const std::string& source) {
-  try {
+  return Thrown<ConfigError>([&] {
     Told told;
     OpenRosSource(source, told.Options());
-  } catch (const ConfigError& e) {
-    return e.what();
-  }
-  return "none";
+  });
 }
 
 }  // namespace sprout::capture

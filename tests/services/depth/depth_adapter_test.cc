@@ -8,6 +8,7 @@
 
 #include "common/rig/rig_file.h"
 #include "tests/common/picture/temporary_directory.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout::depth {
 namespace {
@@ -33,12 +34,7 @@ Frame FrameOf(int64_t seq, cv::Size size = {8, 6}) {
 }
 
 std::string ErrorOf(const DepthConfig& config) {
-  try {
-    DepthAdapter adapter(config);
-    return "no error";
-  } catch (const ConfigError& e) {
-    return e.what();
-  }
+  return Thrown<ConfigError>([&] { DepthAdapter adapter(config); });
 }
 
 TEST(DepthAdapter, AnswersWithDepthAndCloud) {

@@ -18,6 +18,7 @@
 #include "services/pipeline/files/files.h"
 #include "services/pipeline/pipeline.h"
 #include "tests/common/picture/temporary_directory.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout {
 
@@ -45,12 +46,7 @@ inline Ended RunToEnd(const FilesOptions& options, const std::stop_token& stop =
 }
 
 inline std::string RefusalOf(const FilesOptions& options) {
-  try {
-    RunFiles(options, LoadConfig({"default"}), {});
-  } catch (const ConfigError& e) {
-    return e.what();
-  }
-  return "not refused";
+  return Thrown<ConfigError>([&] { RunFiles(options, LoadConfig({"default"}), {}); });
 }
 
 // A scene whose principal points differ, and a depth image in the left camera's place.

@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "tests/common/testing/thrown.h"
 #include "tests/services/view/view_frames.h"
 
 namespace sprout::view {
@@ -269,12 +270,8 @@ TEST_F(ServerTest, LogsBadPagesOnceASecond) {
 }
 
 TEST_F(ServerTest, SaysThatItsPortIsTaken) {
-  try {
-    const Server second("127.0.0.1", server_.port(), {});
-    FAIL();
-  } catch (const ListenError& e) {
-    EXPECT_THAT(e.what(), HasSubstr("Address already in use; is another sprout-view running?"));
-  }
+  EXPECT_THAT(Thrown<ListenError>([&] { const Server second("127.0.0.1", server_.port(), {}); }),
+              HasSubstr("Address already in use; is another sprout-view running?"));
   EXPECT_THROW(Server("localhost", 0, {}), ListenError);
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "services/grow/confidence/confidence_model_text.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout::grow {
 namespace {
@@ -29,12 +30,7 @@ std::string ModelText(const std::string& step = CurveText("STEP", kRising)) {
 }
 
 std::string ComplaintAbout(const std::string& text) {
-  try {
-    ParseConfidenceModel(text, "model");
-  } catch (const ConfigError& e) {
-    return e.what();
-  }
-  return "";
+  return Thrown<ConfigError>([&] { ParseConfidenceModel(text, "model"); });
 }
 
 TEST(LevelOf, IsSixteenTimesTheLogarithmRoundedDown) {
@@ -86,7 +82,7 @@ TEST(ConfidenceTables, AreProbabilityAndStandardDeviation) {
 }
 
 TEST(ConfidenceModel, IsRefusedWithOneLineThatNamesWhatIsWrong) {
-  EXPECT_EQ(ComplaintAbout(ModelText()), "");
+  EXPECT_EQ(ComplaintAbout(ModelText()), "no error");
   EXPECT_THAT(ComplaintAbout(ModelText("")), HasSubstr("model: curves of 8 features; allowed"));
   EXPECT_THAT(ComplaintAbout(ModelText() + CurveText("STEP", kRising)),
               HasSubstr("model: STEP: twice; allowed: once"));

@@ -13,7 +13,7 @@
 #include "services/tools/batch/report.h"
 #include "services/tools/batch/result_folder.h"
 #include "tests/common/picture/temporary_directory.h"
-#include "tests/services/tools/batch/error_of.h"
+#include "tests/common/testing/thrown.h"
 #include "tests/services/tools/batch/example_manifest.h"
 #include "tests/services/tools/log/graph_log.h"
 
@@ -179,7 +179,7 @@ TEST_F(LossesOfABatch, AreRefusedWhenTheyLackAStageOrCannotBe) {
   std::filesystem::create_directory(result);
   const auto error_of = [&](const std::string& text) {
     WriteText(result / kRuns, text);
-    return ErrorOf<LogError>([&] { ReadStageRuns(result, manifest_); });
+    return Thrown<LogError>([&] { ReadStageRuns(result, manifest_); });
   };
   EXPECT_EQ(error_of("run { frames_in: 3 } run { }"), "no error");
   EXPECT_THAT(error_of("run { frames_in: 3 }"), HasSubstr("runs.textproto: lacks the counts"));

@@ -12,7 +12,7 @@
 #include "services/tools/batch/report.h"
 #include "services/tools/batch/result_folder.h"
 #include "tests/common/picture/temporary_directory.h"
-#include "tests/services/tools/batch/error_of.h"
+#include "tests/common/testing/thrown.h"
 #include "tests/services/tools/batch/example_manifest.h"
 
 namespace sprout::batch {
@@ -124,7 +124,7 @@ TEST(FindLogs, NamesAndLeavesOutWhatCannotStandInAManifest) {
   const std::string path = (folder / "").string();
   EXPECT_THAT(found.logs, ElementsAre(path + "a.lcm", path + "\u00fc.lcm"));
   EXPECT_THAT(found.left_out, ElementsAre(path + "b\\xe4.lcm", path + "c\\x0ad.lcm"));
-  EXPECT_THAT(ErrorOf<ConfigError>([&] { FindLogs({folder / "b\xe4.lcm"}); }),
+  EXPECT_THAT(Thrown<ConfigError>([&] { FindLogs({folder / "b\xe4.lcm"}); }),
               HasSubstr("b\\xe4.lcm: is not allowed in the manifest; allowed are names in UTF-8"));
 }
 
@@ -133,17 +133,17 @@ TEST(FindLogs, RefusesAListThatContainsItself) {
   const std::string list = folder / "list.txt";
   WriteFile(folder / "a.lcm", "x");
   WriteFile(list, (folder / "a.lcm").string() + "\n@" + list + "\n");
-  EXPECT_THAT(ErrorOf<ConfigError>([&] { FindLogs({"@" + list}); }),
+  EXPECT_THAT(Thrown<ConfigError>([&] { FindLogs({"@" + list}); }),
               HasSubstr("list.txt: the list contains itself"));
   // Also over another list, and over a link. Twice the same beside each other is none.
   const std::string other = folder / "other.txt";
   fs::create_symlink(list, folder / "link.txt");
   WriteFile(list, "@" + other + "\n");
   WriteFile(other, "@" + (folder / "link.txt").string() + "\n");
-  EXPECT_THAT(ErrorOf<ConfigError>([&] { FindLogs({"@" + list}); }), HasSubstr("contains itself"));
+  EXPECT_THAT(Thrown<ConfigError>([&] { FindLogs({"@" + list}); }), HasSubstr("contains itself"));
   WriteFile(other, (folder / "a.lcm").string() + "\n");
   EXPECT_THAT(FindLogs({"@" + list, "@" + list}).logs, SizeIs(1));
-  EXPECT_THAT(ErrorOf<ConfigError>([&] { FindLogs({"@/dev/zero"}); }), HasSubstr("no such list"));
+  EXPECT_THAT(Thrown<ConfigError>([&] { FindLogs({"@/dev/zero"}); }), HasSubstr("no such list"));
 }
 
 // A result as a task leaves it.
@@ -260,7 +260,7 @@ TEST(Tables, AreRefusedWhenTheyAreNotOfFrames) {
   const fs::path path = folder / "t.csv";
   const auto error_of = [&](const std::string& text) {
     WriteFile(path, text);
-    return ErrorOf<LogError>([&] { ReadTable(path, {"x"}); });
+    return Thrown<LogError>([&] { ReadTable(path, {"x"}); });
   };
   EXPECT_EQ(error_of("seq,utime,left_at,x\n1,2,,3\n"), "no error");
   EXPECT_THAT(error_of(""), HasSubstr("t.csv: cannot be read"));

@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "tests/common/picture/temporary_directory.h"
-#include "tests/services/tools/batch/error_of.h"
+#include "tests/common/testing/thrown.h"
 #include "tests/services/tools/batch/example_manifest.h"
 
 namespace sprout::batch {
@@ -30,7 +30,7 @@ class ForeignManifest : public testing::Test {
 
   std::string ErrorOfText(const std::string& text) const {
     std::ofstream(path_) << text;
-    return ErrorOf<ConfigError>([&] { ReadManifest(path_); });
+    return Thrown<ConfigError>([&] { ReadManifest(path_); });
   }
 
   TemporaryDirectory folder_;
@@ -91,7 +91,7 @@ TEST_F(ForeignManifest, HasOneOrTwoVariants) {
 TEST(Manifest, IsARegularFile) {
   const TemporaryDirectory folder;
   for (const fs::path& path : {folder / "", fs::path("/dev/zero")}) {
-    EXPECT_THAT(ErrorOf<ConfigError>([&] { ReadManifest(path); }),
+    EXPECT_THAT(Thrown<ConfigError>([&] { ReadManifest(path); }),
                 HasSubstr(path.string() + ": cannot be read (no regular file): no batch here"));
   }
 }

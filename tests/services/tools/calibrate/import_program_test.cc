@@ -6,6 +6,7 @@
 #include "common/rig/rig_file.h"
 #include "services/tools/calibrate/import/import.h"
 #include "tests/common/picture/temporary_directory.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout::calibrate {
 namespace {
@@ -27,20 +28,11 @@ class ImportProgram : public testing::Test {
  protected:
   ImportOptions Options(const std::string& text) const {
     std::ofstream(folder_ / "file.yaml") << text;
-    return {.files = {folder_ / "file.yaml"},
-            .rig = {},
-            .out = folder_ / "rig.textproto",
-            .size = {},
-            .unit = {}};
+    return {.files = {folder_ / "file.yaml"}, .out = folder_ / "rig.textproto"};
   }
 
   static std::string Refusal(const ImportOptions& options) {
-    try {
-      RunImport(options);
-    } catch (const ConfigError& e) {
-      return e.what();
-    }
-    return "none";
+    return Thrown<ConfigError>([&] { RunImport(options); });
   }
 
   const TemporaryDirectory folder_;

@@ -11,6 +11,7 @@
 #include "common/config/config_error.h"
 #include "services/tools/calibrate/import/foreign_rig.h"
 #include "tests/common/picture/temporary_directory.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout::calibrate {
 namespace {
@@ -54,12 +55,7 @@ void ExpectTruth(const ForeignRig& rig, const Truth& truth, double accuracy = 1e
 }
 
 std::string Refusal(const std::vector<fs::path>& files) {
-  try {
-    ReadForeignRig(files);
-  } catch (const ConfigError& e) {
-    return e.what();
-  }
-  return "none";
+  return Thrown<ConfigError>([&] { ReadForeignRig(files); });
 }
 
 class Import : public testing::Test {

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "services/tools/evaluate/scene.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout::evaluate {
 namespace {
@@ -95,13 +96,9 @@ TEST(TofChoice, RefusesWhatItDoesNotKnow) {
   for (const char* text :
        {"", "grid", "grid:", "grid:0", "grid:-3", "grid:1001", "grid:5x", "grid:auto*",
         "grid:auto*0", "grid:auto*nan", "grid:auto*1000", "grid:automatic", "sr4001", "lidar"}) {
-    try {
-      TofChoice choice(text);
-      ADD_FAILURE() << "'" << text << "' was taken";
-    } catch (const ConfigError& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr("--tof " + std::string(text)));
-      EXPECT_THAT(error.what(), testing::HasSubstr("grid:auto*K"));
-    }
+    EXPECT_THAT(Thrown<ConfigError>([&] { TofChoice choice(text); }),
+                testing::AllOf(testing::HasSubstr("--tof " + std::string(text)),
+                               testing::HasSubstr("grid:auto*K")));
   }
 }
 

@@ -1,0 +1,22 @@
+#ifndef SPROUT_TESTS_COMMON_TESTING_THROWN_H_
+#define SPROUT_TESTS_COMMON_TESTING_THROWN_H_
+
+#include <functional>
+#include <string>
+
+namespace sprout {
+
+/// The text of an exception of this type that an action throws; else "no error".
+template <typename Error>
+std::string Thrown(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+}  // namespace sprout
+
+#endif  // SPROUT_TESTS_COMMON_TESTING_THROWN_H_
