@@ -7,7 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "common/core/image.h"
 #include "common/messages/packed.h"
 
 namespace sprout {
@@ -214,20 +213,6 @@ bool IsCompressed(const disparity_image_t& message) {
   return message.encoding == disparity_image_t::ENCODING_DELTA_ZSTD;
 }
 
-template <typename Message>
-Result<void> CheckCompressedSize(const Message& message, std::optional<cv::Size> expected) {
-  const cv::Size size(message.width, message.height);
-  if (!IsCompressed(message)) return {};
-  if (int64_t{size.width} * size.height > kMaxCompressedPixels) {
-    return Fail("width x height = " + SizeText(size) + ": allowed for compressed data are up to " +
-                std::to_string(kMaxCompressedPixels) + " pixels");
-  }
-  if (!expected || size == *expected) return {};
-  return Fail("width x height = " + SizeText(size) +
-              ": allowed for compressed data is the size of the frame's images, " +
-              SizeText(*expected));
-}
-
 template <typename Message, typename ToValue>
 Result<DecodedPart> ToPart(const Message& message,
                            [[maybe_unused]] std::optional<cv::Size> expected,
@@ -236,8 +221,9 @@ Result<DecodedPart> ToPart(const Message& message,
   if (!id) return tl::unexpected(id.error());
   if (id->seq < 0) return Fail("header.seq = " + std::to_string(id->seq) + ": allowed is >= 0");
   if constexpr (requires { IsCompressed(message); }) {
-    if (const auto fits = CheckCompressedSize(message, expected); !fits) {
-      return tl::unexpected(fits.error());
+    if (IsCompressed(message)) {
+      const auto fits = CheckCompressedSize({message.width, message.height}, expected);
+      if (!fits) return tl::unexpected(fits.error());
     }
   }
   auto value = to_value();

@@ -148,19 +148,6 @@ Result<PackedFields> FieldsOf(std::span<const uint8_t> packed) {
                       .data = packed.subspan(data_offset)};
 }
 
-Result<void> CheckSize(const PackedFields& fields, std::optional<cv::Size> expected) {
-  if (!IsMapOfTheImages(fields.fingerprint)) return {};
-  const cv::Size size(fields.width, fields.height);
-  if (int64_t{size.width} * size.height > kMaxCompressedPixels) {
-    return Fail("width x height = " + SizeText(size) + ": allowed for compressed data are up to " +
-                std::to_string(kMaxCompressedPixels) + " pixels");
-  }
-  if (!expected || size == *expected) return {};
-  return Fail("width x height = " + SizeText(size) +
-              ": allowed for compressed data is the size of the frame's images, " +
-              SizeText(*expected));
-}
-
 // The pixels from what follows the head in the frame: counts, then errors.
 Result<void> UnpackPixels(std::span<const uint8_t> frame, const PackedLayout& layout,
                           std::span<uint8_t> pixels) {
@@ -287,12 +274,24 @@ std::optional<uint64_t> PackedFingerprint(std::span<const uint8_t> message) {
   return FingerprintAt(message, *begin);
 }
 
+Result<void> CheckCompressedSize(cv::Size size, std::optional<cv::Size> expected) {
+  if (int64_t{size.width} * size.height > kMaxCompressedPixels) {
+    return Fail("width x height = " + SizeText(size) + ": allowed for compressed data are up to " +
+                std::to_string(kMaxCompressedPixels) + " pixels");
+  }
+  if (!expected || size == *expected) return {};
+  return Fail("width x height = " + SizeText(size) +
+              ": allowed for compressed data is the size of the frame's images, " +
+              SizeText(*expected));
+}
+
 Result<PackedBytes> Unpack(std::span<const uint8_t> packed, std::optional<cv::Size> expected) {
   if (!IsPacked(packed)) return Fail("fingerprint is not that of packed_t");
   const Result<PackedFields> fields = FieldsOf(packed);
   if (!fields) return tl::unexpected(fields.error());
-  if (const Result<void> fits = CheckSize(*fields, expected); !fits) {
-    return tl::unexpected(fits.error());
+  if (IsMapOfTheImages(fields->fingerprint)) {
+    const Result<void> fits = CheckCompressedSize({fields->width, fields->height}, expected);
+    if (!fits) return tl::unexpected(fits.error());
   }
   // Packed pixels also have the counts of the classes, of one or three channels.
   const uint64_t declared = ZSTD_getFrameContentSize(fields->data.data(), fields->data.size());

@@ -38,6 +38,10 @@ bool IsPacked(std::span<const uint8_t> message);
 /// @pre IsPacked(message).
 std::optional<uint64_t> PackedFingerprint(std::span<const uint8_t> message);
 
+/// Whether a compressed picture or map may be of a size.
+/// @param expected  as in DecodePart().
+Result<void> CheckCompressedSize(cv::Size size, std::optional<cv::Size> expected);
+
 /// The very message that was packed. Accepts arbitrary bytes: what does not fit gives an error
 /// before memory is allocated for it.
 /// @param expected  as in DecodePart().
