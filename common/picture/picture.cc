@@ -113,13 +113,10 @@ cv::Mat3b DisparityPicture(const DisparityImage& disparity, const ValueRange& ra
 cv::Mat3b SigmaPicture(const PriorMap& prior, const std::string& title) {
   assert(!prior.empty());
   constexpr ValueRange kRangePx{.min = 0, .max = 4};
-  cv::Mat1f sigma_px(prior.size());
-  for (int v = 0; v < sigma_px.rows; ++v) {
-    for (int u = 0; u < sigma_px.cols; ++u) {
-      sigma_px(v, u) = prior.disparity.IsValid(u, v) ? SigmaToPx(prior.sigma(v, u))
-                                                     : std::numeric_limits<float>::quiet_NaN();
-    }
-  }
+  cv::Mat1f sigma_px;
+  prior.sigma.convertTo(sigma_px, CV_32F, 1.0 / kSigmaCountsPerPx);
+  sigma_px.setTo(std::numeric_limits<float>::quiet_NaN(),
+                 prior.disparity.counts() == DisparityImage::kInvalid);
   ScaleContent content{.axes = {{kRangePx, "px"}}};
   MarkClipped(content, sigma_px, kRangePx);
   return ScaledPicture(Colorize(sigma_px, kRangePx), title, content);

@@ -52,12 +52,8 @@ Result<void> WritePfm(const std::filesystem::path& path, const cv::Mat1f& values
 }
 
 Result<void> WritePfm(const std::filesystem::path& path, const DisparityImage& disparity) {
-  cv::Mat1f px(disparity.size(), std::numeric_limits<float>::infinity());
-  for (int v = 0; v < disparity.height(); ++v) {
-    for (int u = 0; u < disparity.width(); ++u) {
-      if (disparity.IsValid(u, v)) px(v, u) = disparity.Px(u, v);
-    }
-  }
+  cv::Mat1f px = ToPx(disparity);
+  px.setTo(std::numeric_limits<float>::infinity(), disparity.counts() == DisparityImage::kInvalid);
   return WritePfm(path, px);
 }
 

@@ -22,13 +22,9 @@ namespace {
 // The counts of DisparityImage, so nothing is rounded. Zero means none, as in KITTI's maps, so a
 // disparity of zero becomes the smallest there is; negative ones are left out.
 cv::Mat1w CountsOf(const DisparityImage& disparity) {
-  cv::Mat1w counts(disparity.size(), uint16_t{0});
-  for (int v = 0; v < disparity.height(); ++v) {
-    for (int u = 0; u < disparity.width(); ++u) {
-      if (!disparity.IsValid(u, v) || disparity.counts()(v, u) < 0) continue;
-      counts(v, u) = static_cast<uint16_t>(std::max<int>(disparity.counts()(v, u), 1));
-    }
-  }
+  cv::Mat1w counts;
+  cv::Mat(cv::max(disparity.counts(), 1)).convertTo(counts, CV_16U);
+  counts.setTo(0, disparity.counts() < 0);
   return counts;
 }
 

@@ -116,17 +116,9 @@ std::string FileName(std::string source) {
   return source;
 }
 
-double BadPercent(const cv::Mat1f& map, const cv::Mat1f& truth, const cv::Mat1b& mask) {
-  int64_t bad = 0, pixels = 0;
-  for (int v = 0; v < map.rows; ++v) {
-    for (int u = 0; u < map.cols; ++u) {
-      if (mask(v, u) == 0 || !std::isfinite(truth(v, u))) continue;
-      ++pixels;
-      bad += std::abs(map(v, u) - truth(v, u)) <= 3 ? 0 : 1;
-    }
-  }
-  return pixels == 0 ? std::nan("")
-                     : 100.0 * static_cast<double>(bad) / static_cast<double>(pixels);
+double BadPercent(const cv::Mat1f& error_px) {
+  const int scored = cv::countNonZero(error_px >= 0);  // NaN is not
+  return scored == 0 ? std::nan("") : 100.0 * cv::countNonZero(error_px > 3) / scored;
 }
 
 // A line for each map, over the numbers of the frames.
@@ -263,10 +255,11 @@ void VideoPictures::Add(int frame, const cv::Mat& left, const cv::Mat1f& truth,
   FigureRow row{.cells = {{FigureThumbnail(ToBgr(left)), fmt::format("frame {}", frame)}},
                 .scale = {.axes = {{{0, kLargestErrorPx}, "px"}}, .above = true}};
   for (size_t i = 0; i < maps.size(); ++i) {
-    const double bad = BadPercent(maps[i], truth, mask);
+    const cv::Mat1f error_px = ErrorMap(maps[i], truth, mask);
+    const double bad = BadPercent(error_px);
     bad3_percent_[i].push_back(bad);
     if (frame % every_ != 0) continue;
-    row.cells.push_back({FigureThumbnail(ColorizeErrors(ErrorMap(maps[i], truth, mask))),
+    row.cells.push_back({FigureThumbnail(ColorizeErrors(error_px)),
                          std::isnan(bad) ? "" : fmt::format("bad 3: {:.2f} %", bad)});
   }
   if (frame % every_ == 0) rows_.push_back(std::move(row));
