@@ -43,7 +43,7 @@ RectifiedCamera AsItComes(const RawRig& rig, RectifiedPair pair) {
 }
 
 // What comes before a mark, and the rest from it on.
-std::pair<std::string_view, std::string_view> SplitAt(std::string_view text, char mark) {
+std::pair<std::string_view, std::string_view> CutAt(std::string_view text, char mark) {
   const auto at = std::ranges::find(text, mark);
   return {{text.begin(), at}, {at, text.end()}};
 }
@@ -51,8 +51,8 @@ std::pair<std::string_view, std::string_view> SplitAt(std::string_view text, cha
 }  // namespace
 
 RigError::RigError(const std::string& text) {
-  const auto [error, known] = SplitAt(text, '?');
-  const auto [name, value] = SplitAt(error, '=');
+  const auto [error, known] = CutAt(text, '?');
+  const auto [name, value] = CutAt(error, '=');
   const auto size = ParseNumber<double>(value.substr(value.empty() ? 0 : 1));
   if (!size || !(*size >= -kMost && *size <= kMost)) throw BadError(text);
   constexpr double kDegree = std::numbers::pi / 180;
