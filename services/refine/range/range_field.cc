@@ -222,8 +222,8 @@ void RangeField::Judge(const RangeNodes& nodes, std::span<const double> start_px
   const std::span<const RangeNode> all = nodes.nodes();
   ForEachParallel(all.size(), [&](size_t i) {
     double products = 0;
-    double squares = 0;
-    double texture = 0;
+    double of_left = 0;
+    double of_right = 0;
     double count = 0;
     for (const uint32_t other : nodes.SurfaceAround(i)) {
       const OffsetMoments& moments = all[other].moments;
@@ -234,13 +234,14 @@ void RangeField::Judge(const RangeNodes& nodes, std::span<const double> start_px
       const double part = label - static_cast<double>(below);
       products +=
           2 * (moments.covariance[below] * (1 - part) + moments.covariance[below + 1] * part);
-      squares += moments.left_variance + moments.right_variance[below] * (1 - part) +
-                 moments.right_variance[below + 1] * part;
-      texture += moments.left_variance;
+      of_left += moments.left_variance;
+      of_right +=
+          moments.right_variance[below] * (1 - part) + moments.right_variance[below + 1] * part;
       count += 1;
     }
-    offsets_[i].likeness = products / (squares + 1);
-    offsets_[i].texture = texture / count;
+    offsets_[i].likeness = products / (of_left + of_right + 1);
+    // Where one image is blinded or covered the other one says nothing of the range.
+    offsets_[i].texture = std::min(of_left, of_right) / count;
   });
 }
 

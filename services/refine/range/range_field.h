@@ -16,7 +16,7 @@ struct NodeOffset {
   cv::Point2d slope;     ///< of the offset, px a px
   double sigma_px = 0;
   double likeness = 1;  ///< of the windows around the node at that offset, weighted by texture
-  double texture = 0;   ///< mean variance of those windows, grey levels²
+  double texture = 0;  ///< mean variance of those windows, in the image that has less, grey levels²
 };
 
 /// What the scene adds to ranges, smooth on each surface, eqs. (R6) to (R9): labels by paths over

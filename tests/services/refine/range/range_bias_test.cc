@@ -259,6 +259,19 @@ TEST(RangeBias, RefusesASensorByTheFirstLookAlone) {
   EXPECT_EQ(set.contradicted, set.raw - set.outside);
 }
 
+// A camera that is covered in part, and one that is blinded, say nothing of the ranges.
+TEST(RangeBias, BelievesAGoodSensorBesideABadCamera) {
+  Wall covered;
+  covered.right(cv::Rect(0, 0, kWallSize.width / 2, kWallSize.height)) = 0;
+  Wall blinded;
+  blinded.right = 2 * blinded.right;
+  for (const Wall* wall : {&covered, &blinded}) {
+    const SeedSet set = wall->Refine(RefineConfig::FIELD);
+    EXPECT_GT(set.seeds.size(), 4000U);
+    EXPECT_GT(ShareWithin(set, 0.4), 0.97);
+  }
+}
+
 // As where the baseline is given as a part of what it is.
 TEST(RangeBias, BelievesNoPointIfRangesAreFartherOffThanASensorCanBe) {
   Wall wall;
