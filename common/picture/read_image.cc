@@ -71,6 +71,26 @@ void ReadJpeg(FileBytes& file, Header& header) {
   }
 }
 
+// Whether a JPEG has its end-of-image marker (EOI, ITU T.81, B.1.1.3). A file that was cut has
+// none, and the decoder would fill what is missing. Bytes behind the marker are allowed.
+bool HasJpegEnd(const std::filesystem::path& path) {
+  constexpr int kEnd = std::filebuf::traits_type::eof();
+  std::filebuf file;
+  if (file.open(path, std::ios::in | std::ios::binary) == nullptr) return false;
+  for (int byte = file.sbumpc(); byte != kEnd; byte = file.sbumpc()) {
+    if (byte != 0xff) continue;  // of the entropy-coded data
+    while (byte == 0xff) byte = file.sbumpc();
+    if (byte == 0xd9) return true;
+    const bool is_bare = byte <= 0x01 || (byte >= 0xd0 && byte <= 0xd8);
+    if (is_bare) continue;  // or a byte 0xff of the data, or the end of the file
+    // A segment may hold a thumbnail with an end of its own.
+    const int high = file.sbumpc();
+    const int low = file.sbumpc();
+    for (int left = 256 * high + low - 2; left > 0 && byte != kEnd; --left) byte = file.sbumpc();
+  }
+  return false;
+}
+
 // The first three numbers behind "P5", with comments between.
 void ReadPnm(FileBytes& file, Header& header) {
   constexpr size_t kMost = 4096;
@@ -168,6 +188,9 @@ Result<CameraImage> Decode(const std::filesystem::path& path, int flags,
     return Fail(name + std::to_string(width) + "x" + std::to_string(height) +
                 " px; allowed: 1 to " + std::to_string(kMaxSide) + " px a side and " +
                 std::to_string(kMaxPixels) + " pixels");
+  }
+  if (format == ImageFormat::kJpeg && width > 0 && !HasJpegEnd(path)) {
+    return Fail(name + "ends early, without an end-of-image marker; allowed: a whole JPEG file");
   }
   cv::Mat image;
   try {

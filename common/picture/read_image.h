@@ -24,7 +24,7 @@ inline constexpr std::initializer_list<ImageFormat> kCameraFormats = {
 /// and the header and checked before OpenCV decodes it: a small file may claim any size.
 /// @param flags  cv::imread()'s.
 /// @returns the image, or "image PATH: " and what is wrong with it: not of the formats, unreadable,
-///          larger than kMaxSide or kMaxPixels.
+///          cut, larger than kMaxSide or kMaxPixels.
 Result<cv::Mat> DecodeImageFile(const std::filesystem::path& path, int flags,
                                 std::initializer_list<ImageFormat> formats);
 

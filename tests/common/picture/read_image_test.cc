@@ -120,6 +120,36 @@ TEST_F(ReadImageFile, RefusesATiffOfSeveralPages) {
   EXPECT_EQ(ErrorOf(pages), "no error");
 }
 
+// What is missing would be filled, and the image be taken for whole.
+TEST_F(ReadImageFile, RefusesAJpegThatIsCut) {
+  using namespace std::string_literals;
+  const std::string files[] = {Write("a.jpg", CV_8UC3),
+                               Write("b.jpg", CV_8UC1, {cv::IMWRITE_JPEG_RST_INTERVAL, 1}),
+                               Write("c.jpg", CV_8UC3, {cv::IMWRITE_JPEG_PROGRESSIVE, 1})};
+  for (const std::string& file : files) {
+    std::filesystem::resize_file(file, std::filesystem::file_size(file) - 2);
+    const std::string error = "image " + file + ": ends early";
+    EXPECT_THAT(ErrorOf(file), HasSubstr(error));
+    std::filesystem::resize_file(file, std::filesystem::file_size(file) + 500);  // by zeros
+    EXPECT_THAT(ErrorOf(file), HasSubstr(error));
+  }
+}
+
+TEST_F(ReadImageFile, FindsTheEndOfAJpegBehindAThumbnailAndBeforeOtherBytes) {
+  using namespace std::string_literals;
+  const std::string file = Write("a.jpg", CV_8UC3);
+  std::ofstream(file, std::ios::binary | std::ios::app) << "a camera's own data \xff\xe1";
+  EXPECT_EQ(ErrorOf(file), "no error");
+  // The same with a segment that holds an end of its own, whole and cut.
+  std::ifstream stream(file, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  const std::string with_thumbnail = "\xff\xd8\xff\xe1\x00\x06\xff\xd8\xff\xd9"s + bytes.substr(2);
+  std::ofstream(File("b.jpg"), std::ios::binary) << with_thumbnail;
+  EXPECT_EQ(ErrorOf(File("b.jpg")), "no error");
+  std::filesystem::resize_file(File("b.jpg"), bytes.size() - 40);
+  EXPECT_THAT(ErrorOf(File("b.jpg")), HasSubstr("ends early"));
+}
+
 TEST_F(ReadImageFile, NamesWhatCannotBeDecoded) {
   const char* const reason =
       "cannot be decoded; allowed: a readable PNG, JPEG, PPM, BMP or TIFF file";
