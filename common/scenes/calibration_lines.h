@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,16 +30,22 @@ class CalibrationLines {
     for (const std::string_view line : SplitAt('\n', *text)) {
       const size_t end = line.find(separator_.front());
       if (end == std::string_view::npos) continue;
-      values_[std::string(Trimmed(line.substr(0, end)))] = Trimmed(line.substr(end + 1));
+      const std::string key(Trimmed(line.substr(0, end)));
+      if (values_.contains(key)) repeated_.insert(key);
+      values_[key] = Trimmed(line.substr(end + 1));
     }
   }
 
   bool Has(const std::string& key) const { return values_.contains(key); }
 
-  /// @throws ConfigError when there is none.
+  /// @throws ConfigError when there is none, or more than one.
   const std::string& Text(const std::string& key) const {
     const auto found = values_.find(key);
     if (found == values_.end()) throw Refusal(key + " is missing");
+    if (repeated_.contains(key)) {
+      throw ConfigError("calibration " + path_.string() + ": " + key +
+                        " is given more than once; allowed: once");
+    }
     return found->second;
   }
 
@@ -58,6 +65,7 @@ class CalibrationLines {
   std::string separator_;
   std::string needed_;
   std::map<std::string, std::string> values_;
+  std::set<std::string> repeated_;  // only a key that is read must not be
 };
 
 /// What the two matrices of a rectified pair have in common.

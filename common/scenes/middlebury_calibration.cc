@@ -1,5 +1,8 @@
 #include "common/scenes/middlebury_calibration.h"
 
+#include <fmt/core.h>
+
+#include <cmath>
 #include <optional>
 #include <sstream>
 #include <vector>
@@ -16,6 +19,8 @@ namespace {
 
 constexpr double kFullSizeFocalPx = 3740;  // 2005 and 2006, as Middlebury publishes them
 constexpr double kBaselineM = 0.160;
+constexpr double kMinBaselineMm = 1;     // less is in m
+constexpr double kDoffsTolerancePx = 1;  // they may be rounded
 
 // Of the "key=value" lines of a calib.txt.
 double Number(const CalibrationLines& calib, const std::string& key) {
@@ -89,8 +94,16 @@ RectifiedPair CalibrationFromCalib(const std::filesystem::path& calib_file, cv::
 
   if (pair.focal_px <= 0) throw calib.Bad("cam0", "a focal length above 0");
   if (pair.baseline_m <= 0) throw calib.Bad("baseline", "a number above 0, mm");
+  if (1000 * pair.baseline_m < kMinBaselineMm) {
+    throw calib.Bad("baseline", "at least 1, in Middlebury's unit, which is mm; is it in m?");
+  }
   if (!AreRectified({left[0], left[4], left[5]}, {right[0], right[4], right[5]})) {
     throw calib.Bad("cam1", "one focal length for both cameras and axes, and cam0's row");
+  }
+  if (const double doffs = pair.cx_right - pair.cx;
+      calib.Has("doffs") && std::abs(Number(calib, "doffs") - doffs) > kDoffsTolerancePx) {
+    throw calib.Bad("doffs",
+                    fmt::format("{:.6g} to 1 px, which is cx of cam1 less that of cam0", doffs));
   }
   for (const auto& [key, px] : {std::pair{"width", size.width}, {"height", size.height}}) {
     if (calib.Has(key) && Number(calib, key) != px) {

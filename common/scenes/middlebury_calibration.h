@@ -24,11 +24,13 @@ RectifiedPair CalibrationFromDmin(const std::filesystem::path& dmin_file, double
 
 /// Calibration of a 2014 scene: cam0 and cam1 (px), baseline (mm) of calib.txt. Other keys are
 /// ignored, except that width and height, when given, must be those of the images: a calibration
-/// for another resolution is the easiest mistake to make.
+/// for another resolution is the easiest mistake to make; and doffs, when given, must be the
+/// difference of the principal points to 1 px.
 ///
 /// @param calib_file  calib.txt.
 /// @param size        of the images, px.
-/// @throws ConfigError for a missing file or key, a bad number, cameras that are not rectified.
+/// @throws ConfigError for a missing file or key, one that is given twice, a bad number, a baseline
+///         below 1 mm, cameras that are not rectified.
 RectifiedPair CalibrationFromCalib(const std::filesystem::path& calib_file, cv::Size size);
 
 /// Reads the calibration of a rectified pair from a calib.txt of whoever wrote it: Middlebury and

@@ -247,6 +247,7 @@ TEST_P(KittiCalib, IsRefusedWithKeyAndReason) {
 INSTANTIATE_TEST_SUITE_P(
     Broken, KittiCalib,
     testing::Values(KittiCalibCase{"P2", "", "P2 is missing"},
+                    KittiCalibCase{"P3", "1\nP3: 1", "P3 is given more than once"},
                     KittiCalibCase{"P3", "", "P3 is missing"},
                     KittiCalibCase{"R0_rect", "", "R0_rect is missing"},
                     KittiCalibCase{"Tr_velo_to_cam", "", "Tr_velo_to_cam is missing"},

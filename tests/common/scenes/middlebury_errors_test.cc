@@ -112,6 +112,7 @@ std::string CalibWith(const std::string& key, const std::string& value) {
        {std::pair<std::string, std::string>{"cam0", "[100 0 14; 0 100 9; 0 0 1]"},
         {"cam1", "[100 0 17; 0 100 9; 0 0 1]"},
         {"baseline", "193"},
+        {"doffs", "3"},
         {"width", "30"},
         {"height", "20"}}) {
     const std::string& chosen = name == key ? value : good;
@@ -157,13 +158,30 @@ INSTANTIATE_TEST_SUITE_P(
                     CalibCase{"cam1", "[100 0 17; 0 100 8; 0 0 1]", "cam0's row"},
                     CalibCase{"baseline", "0", "allowed: a number above 0, mm"},
                     CalibCase{"baseline", "-193", "allowed: a number above 0, mm"},
+                    CalibCase{"baseline", "0.193", "which is mm; is it in m?"},
                     CalibCase{"baseline", "nan", "allowed: a finite number"},
+                    CalibCase{"baseline", "193\nbaseline=1", "baseline is given more than once"},
+                    CalibCase{"cam0", "[1 0 0; 0 1 0; 0 0 1]\ncam0=[100 0 14; 0 100 9; 0 0 1]",
+                              "cam0 is given more than once"},
+                    CalibCase{"width", "30\nwidth=30", "width is given more than once"},
+                    CalibCase{"doffs", "500", "doffs=500: allowed: 3 to 1 px"},
+                    CalibCase{"doffs", "-3", "doffs=-3: allowed: 3 to 1 px"},
                     CalibCase{"baseline", "wide", "baseline=wide"},
                     CalibCase{"width", "2964", "allowed: 30, as the images have"},
                     CalibCase{"height", "2000", "allowed: 20, as the images have"}));
 
-TEST(MiddleburyErrors, AcceptsACalibrationWithoutSize) {
-  for (const std::string key : {"width", "height", "none"}) {
+// Keys that nothing reads may say what they like.
+TEST(MiddleburyErrors, AcceptsARoundedDoffsAndRepeatedKeysOfOthers) {
+  for (const std::string doffs : {"2.2", "3.9", "3\nndisp=20\nndisp=30"}) {
+    const SceneFolder folder;
+    folder.Write2014();
+    folder.WriteText("calib.txt", CalibWith("doffs", doffs));
+    EXPECT_EQ(folder.Open()->rig().pair.cx_right, 17) << doffs;
+  }
+}
+
+TEST(MiddleburyErrors, AcceptsACalibrationWithoutSizeOrDoffs) {
+  for (const std::string key : {"width", "height", "doffs", "none"}) {
     const SceneFolder folder;
     folder.Write2014();
     folder.WriteText("calib.txt", CalibWith(key, ""));
