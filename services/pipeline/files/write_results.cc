@@ -72,7 +72,11 @@ Result<void> WriteCalibration(const std::filesystem::path& path, const Rectified
   return file.Commit();
 }
 
-using Job = std::function<Result<void>()>;
+// A result: its files, and what writes them.
+struct Job {
+  std::vector<std::string_view> files;
+  std::function<Result<void>()> write;
+};
 
 // Each in a thread of its own that takes the next one. Not by OpenCV's threads, of which the frame
 // that is computed meanwhile would get none.
@@ -83,7 +87,7 @@ Result<void> RunJobs(const std::vector<Job>& jobs) {
   const auto work = [&] {
     for (size_t i = next++; i < jobs.size(); i = next++) {
       try {
-        results[i] = jobs[i]();
+        results[i] = jobs[i].write();
       } catch (const std::exception& e) {  // no memory
         results[i] = Fail(e.what());
       }
@@ -96,6 +100,28 @@ Result<void> RunJobs(const std::vector<Job>& jobs) {
   }
   const auto failed = std::ranges::find_if(results, [](const auto& one) { return !one; });
   return failed == results.end() ? Result<void>() : *failed;
+}
+
+// Removes the results of an earlier run that none of the jobs replaces: beside new ones they would
+// be taken for this pair's. A folder of such a name is no result.
+Result<void> RemoveOthers(const std::filesystem::path& folder, const std::vector<Job>& jobs) {
+  for (const std::string_view name : kResultNames) {
+    const bool is_replaced = std::ranges::any_of(jobs, [&](const Job& job) {
+      return std::ranges::find(job.files, name) != job.files.end();
+    });
+    if (is_replaced) continue;
+    const std::filesystem::path path = folder / name;
+    std::error_code error;
+    const auto type = std::filesystem::symlink_status(path, error).type();
+    using enum std::filesystem::file_type;
+    if (type != regular && type != symlink) continue;
+    std::filesystem::remove(path, error);
+    if (error) {
+      return Fail(path.string() + ": is of an earlier run and cannot be removed (" +
+                  error.message() + ")");
+    }
+  }
+  return {};
 }
 
 // The frame as pictures show it.
@@ -121,33 +147,53 @@ Result<void> WriteResults(Frame frame, const DepthFrame& depth, DepthConfig::Inp
   const cv::Mat left = frame.left;
   const Frame shown = ShownFrame(std::move(frame), depth, of_fused);
   std::vector<Job> jobs;
-  const auto add = [&](const char* name, bool is_there, Job job) {
-    const bool is_wanted = only.empty() || std::ranges::find(only, name) != only.end();
-    if (is_wanted && is_there) jobs.push_back(std::move(job));
+  const auto write = [&](std::vector<std::string_view> files, std::function<Result<void>()> job) {
+    jobs.push_back({std::move(files), std::move(job)});
   };
-  jobs.emplace_back([&] { return WriteCamera(folder / "camera.json", pair); });
-  jobs.emplace_back([&] { return WriteCalibration(folder / "calib.txt", pair); });
-  add("disparity", true, [&] { return WriteMap(folder, "disparity", depth.disparity); });
-  add("depth", true, [&] { return WriteDepth(folder, depth.depth_m); });
-  add("confidence", !depth.confidence.empty(),
-      [&] { return WritePng(folder / "confidence.png", depth.confidence); });
+  const auto is_wanted = [&](const char* name) {
+    return only.empty() || std::ranges::find(only, name) != only.end();
+  };
+  write({"camera.json"}, [&] { return WriteCamera(folder / "camera.json", pair); });
+  write({"calib.txt"}, [&] { return WriteCalibration(folder / "calib.txt", pair); });
+  if (is_wanted("disparity")) {
+    write({"disparity.pfm", "disparity.png"},
+          [&] { return WriteMap(folder, "disparity", depth.disparity); });
+  }
+  if (is_wanted("depth")) {
+    write({"depth.pfm", "depth.png"}, [&] { return WriteDepth(folder, depth.depth_m); });
+  }
+  if (is_wanted("confidence") && !depth.confidence.empty()) {
+    write({"confidence.png"},
+          [&] { return WritePng(folder / "confidence.png", depth.confidence); });
+  }
   // Fused maps have none.
-  add("sigma", !depth.sigma.empty() && !of_fused, [&] {
-    return WritePfm(folder / "depth_sigma.pfm", DepthSigmaMap(pair, depth.kept, depth.sigma));
-  });
-  add("fused", depth.motion.has_value(), [&] {
-    return WriteMap(folder, "fused", depth.fused).and_then([&] {
-      return WritePng(folder / "fused_confidence.png", depth.fused_confidence);
+  if (is_wanted("sigma") && !depth.sigma.empty() && !of_fused) {
+    write({"depth_sigma.pfm"}, [&] {
+      return WritePfm(folder / "depth_sigma.pfm", DepthSigmaMap(pair, depth.kept, depth.sigma));
     });
-  });
-  add("left", true, [&] { return WritePng(folder / "left.png", left); });
-  add("cloud", true, [&] {
-    return WriteCloudPly(folder / "cloud.ply", pair, depth.kept, left, shown.confidence);
-  });
-  add("mesh", true,
-      [&] { return WriteMeshPly(folder / "mesh.ply", pair, depth.kept, left, shown.confidence); });
-  add("overview", true, [&] { return WritePng(folder / "overview.png", OverviewOf(shown)); });
-  return RunJobs(jobs);
+  }
+  if (is_wanted("fused") && depth.motion) {
+    write({"fused.pfm", "fused.png", "fused_confidence.png"}, [&] {
+      return WriteMap(folder, "fused", depth.fused).and_then([&] {
+        return WritePng(folder / "fused_confidence.png", depth.fused_confidence);
+      });
+    });
+  }
+  if (is_wanted("left")) write({"left.png"}, [&] { return WritePng(folder / "left.png", left); });
+  if (is_wanted("cloud")) {
+    write({"cloud.ply"}, [&] {
+      return WriteCloudPly(folder / "cloud.ply", pair, depth.kept, left, shown.confidence);
+    });
+  }
+  if (is_wanted("mesh")) {
+    write({"mesh.ply"}, [&] {
+      return WriteMeshPly(folder / "mesh.ply", pair, depth.kept, left, shown.confidence);
+    });
+  }
+  if (is_wanted("overview")) {
+    write({"overview.png"}, [&] { return WritePng(folder / "overview.png", OverviewOf(shown)); });
+  }
+  return RemoveOthers(folder, jobs).and_then([&] { return RunJobs(jobs); });
 }
 
 }  // namespace sprout

@@ -32,12 +32,14 @@ inline constexpr std::string_view kResultNames[] = {
     "overview.png",  "left.png",      "depth_sigma.pfm",      "camera.json", "calib.txt"};
 
 /// Writes the results of a frame, several at a time, on as many threads as OpenCV has. Files of
-/// these names are replaced. Depth, cloud, mesh and overview are of `depth.kept`.
+/// these names are replaced, or removed where this frame has no such result. Depth, cloud, mesh and
+/// overview are of `depth.kept`.
 /// @param frame   LEFT, RIGHT, TOF and RIG.
 /// @param input   which map `depth.kept` is of.
 /// @param only    some of kOutputs; none: all.
 /// @param folder  is created.
-/// @returns path and reason of the first file, in the order above, that could not be written.
+/// @returns path and reason of the first file, in the order above, that could not be removed or
+///          written.
 Result<void> WriteResults(Frame frame, const DepthFrame& depth, DepthConfig::Input input,
                           const std::vector<std::string>& only,
                           const std::filesystem::path& folder);

@@ -238,6 +238,28 @@ TEST_F(Files, AreOnlyThoseThatAreAskedFor) {
                                           "depth.png"));
 }
 
+// Beside new results they would be taken for this pair's.
+TEST_F(Files, OfAnEarlierRunAreRemovedWhereTheyAreNotReplaced) {
+  const fs::path out = folder_ / "out";
+  EXPECT_EQ(RunToEnd(options_).exit_code, 0);
+  EXPECT_TRUE(fs::exists(out / "confidence.png"));
+  for (const char* name : {"notes.txt", "confidence.png.bak", "truth.pfm", "motion.csv"}) {
+    std::ofstream(out / name) << "a user's\n";
+  }
+  fs::remove(out / "mesh.ply");
+  fs::create_directories(out / "mesh.ply");  // empty, and no result
+  fs::remove(out / "overview.png");
+  fs::create_symlink(folder_ / "left.png", out / "overview.png");
+  options_.only = {"depth"};
+  EXPECT_EQ(RunToEnd(options_).exit_code, 0);
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(out)) names.insert(entry.path().filename());
+  EXPECT_THAT(
+      names, testing::ElementsAre("calib.txt", "camera.json", "confidence.png.bak", "depth.pfm",
+                                  "depth.png", "mesh.ply", "motion.csv", "notes.txt", "truth.pfm"));
+  EXPECT_TRUE(fs::exists(folder_ / "left.png")) << "the link was removed, not its target";
+}
+
 TEST_F(Files, ThatCannotBeWrittenLeaveTheOthersAndAreReportedInOrder) {
   for (const char* name : {"l/a.png", "l/b.png", "l/c.png"}) Write(name, scene_.left);
   for (const char* name : {"r/a.png", "r/b.png", "r/c.png"}) Write(name, scene_.right);
