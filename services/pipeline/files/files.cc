@@ -50,6 +50,26 @@ std::string SurenessText(const DepthFrame& depth) {
                             Percent(count, static_cast<int64_t>(known.total())));
 }
 
+// Whether it is of the memory, which forgets where a video is cut. motion.csv says so, too; nothing
+// is wrong with such a pair.
+bool IsOfMemory(const std::string& warning) { return warning.starts_with("temporal: "); }
+
+// What is wrong with a pair that was computed, in one line; empty: nothing that can be told.
+// @param of_inputs  what CheckInputs() says.
+std::string ComplaintOf(const DepthFrame& depth, std::string of_inputs) {
+  constexpr double kNoPercent = 0.05;  // less is printed as 0.0
+  std::string complaint = std::move(of_inputs);
+  for (const std::string& warning : depth.warnings) {
+    if (!IsOfMemory(warning)) complaint += (complaint.empty() ? "" : "; ") + warning;
+  }
+  const int count = cv::countNonZero(depth.depth_m == depth.depth_m);
+  const auto all = static_cast<int64_t>(depth.depth_m.total());
+  if (complaint.empty() && Percent(count, all) < kNoPercent) {
+    complaint = fmt::format("{} of {} pixels have a depth", count, all);
+  }
+  return complaint;
+}
+
 // What was found, in one line.
 std::string LineOf(const fs::path& folder, const DepthFrame& depth, double ms) {
   std::string line = fmt::format("{}: {}, {} seeds, {}, {:.0f} ms", folder.string(),
@@ -64,7 +84,9 @@ std::string LineOf(const fs::path& folder, const DepthFrame& depth, double ms) {
       negative > 0) {
     line += fmt::format("; {} have a negative disparity, which disparity.png leaves out", negative);
   }
-  for (const std::string& warning : depth.warnings) line += "; " + warning;
+  for (const std::string& warning : depth.warnings) {
+    if (IsOfMemory(warning)) line += "; " + warning;
+  }
   if (!depth.range_error.empty()) line += "; refine: " + depth.range_error;
   return line;
 }
@@ -95,7 +117,6 @@ struct Writing {
   fs::path folder;
   std::string line;       // to print when it is written
   std::string complaint;  // what is wrong with the pair; empty: nothing that can be told
-  bool is_wrong = false;  // it has a complaint, or `line` says that no range point is believed
   std::string motion;     // a row, of a pipeline with memory
   std::future<Result<void>> written;
 };
@@ -183,8 +204,7 @@ class FilesRun {
     writing.left = pair.left;
     writing.folder = folder;
     writing.line = LineOf(folder, depth, computed.ms);
-    writing.complaint = std::move(computed.complaint);
-    writing.is_wrong = !writing.complaint.empty() || depth.ranges_refused;
+    writing.complaint = ComplaintOf(depth, std::move(computed.complaint));
     if (depth.motion) writing.motion = MotionRow(pair.left, *depth.motion);
     writing.written = std::async(
         std::launch::async, [this, folder, computed = std::move(computed)]() -> Result<void> {
@@ -203,8 +223,8 @@ class FilesRun {
     if (written) {
       motions_ += writing_->motion;
       std::cout << Printable(writing_->line) << std::endl;
-      if (writing_->is_wrong) ++wrong_;
       if (!writing_->complaint.empty()) {
+        ++wrong_;
         Say(writing_->left.string() + ": " + writing_->complaint);
       }
     } else {

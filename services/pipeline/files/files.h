@@ -28,7 +28,8 @@ struct FilesOptions {
 /// Computes pairs of image files and writes the results, see README.md; those of a pair while the
 /// next one is computed. Prints a line on stdout for each pair when it is written, or one on stderr
 /// if it cannot be computed or written and is left out; and one on stderr if it was computed, but
-/// CheckInputs() says that something is wrong with it.
+/// something is wrong with it: CheckInputs() says so, a stage had nothing to give, or nothing has a
+/// depth. That a memory forgot earlier frames is not wrong.
 /// @returns exit code: 0; 1 when a pair was left out, or something is wrong with one, or `stop`
 ///          came.
 /// @throws ConfigError, before anything is computed, for flags that cannot be used, and for

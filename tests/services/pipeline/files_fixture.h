@@ -11,6 +11,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "common/geometry/projection.h"
 #include "common/scenes/dataset.h"
@@ -35,11 +36,12 @@ struct Ended {
   std::string err;
 };
 
-inline Ended RunToEnd(const FilesOptions& options, const std::stop_token& stop = {}) {
+inline Ended RunToEnd(const FilesOptions& options, const std::stop_token& stop = {},
+                      const std::vector<std::string>& configs = {"default"}) {
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();
   Ended outcome;
-  outcome.exit_code = RunFiles(options, LoadConfig({"default"}), stop);
+  outcome.exit_code = RunFiles(options, LoadConfig(configs), stop);
   outcome.out = testing::internal::GetCapturedStdout();
   outcome.err = testing::internal::GetCapturedStderr();
   return outcome;

@@ -100,5 +100,38 @@ TEST_F(Files, WhoseContentCannotBeUsedGetOneLine) {
   }
 }
 
+TEST_F(Files, InWhichNothingIsFoundAreWrong) {
+  Write("flat.png", cv::Mat1b(pair_.height, pair_.width, uint8_t{100}));
+  FilesOptions flat = options_;
+  flat.left = flat.right = folder_ / "flat.png";
+  const Ended nothing = RunToEnd(flat);
+  EXPECT_EQ(nothing.exit_code, 1);
+  EXPECT_THAT(nothing.err, HasSubstr("; refine: no ToF point has a return"));
+  EXPECT_THAT(nothing.err, HasSubstr("; grow: no seeds to grow from\n"));
+  EXPECT_EQ(std::count(nothing.err.begin(), nothing.err.end(), '\n'), 1) << nothing.err;
+  EXPECT_THAT(nothing.out, HasSubstr("0.0 % of the pixels have a depth"));
+  EXPECT_THAT(nothing.out, testing::Not(HasSubstr("grow: ")));
+  EXPECT_TRUE(fs::exists(folder_ / "out" / "depth.pfm"));
+
+  // The maps are good, and all of the depths are left out.
+  const Ended near = RunToEnd(options_, {}, {"default", "depth { max_m: 0.01 }"});
+  EXPECT_EQ(near.exit_code, 1);
+  EXPECT_THAT(near.err, testing::EndsWith("left.png: 0 of 19200 pixels have a depth\n"));
+}
+
+TEST_F(Files, OfAVideoThatIsCutAreNotWrong) {
+  const cv::Rect part(20, 10, 120, 100);
+  Write("l/1.png", scene_.left);
+  Write("r/1.png", scene_.right);
+  Write("l/2.png", scene_.left(part));
+  Write("r/2.png", scene_.right(part));
+  options_.left = folder_ / "l";
+  options_.right = folder_ / "r";
+  const Ended ended = RunToEnd(options_, {}, {"default", "temporal { in_pipeline: true }"});
+  EXPECT_EQ(ended.exit_code, 0);
+  EXPECT_THAT(ended.err, testing::IsEmpty());
+  EXPECT_THAT(ended.out, HasSubstr("; temporal: earlier frames forgotten: another rig"));
+}
+
 }  // namespace
 }  // namespace sprout
