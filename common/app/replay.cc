@@ -220,8 +220,14 @@ class Replay {
         status.sequence_gaps, status.bad_messages, input_.damaged_bytes(),
         warm_up_frames_ > 0 ? fmt::format("; {} frames to warm up", warm_up_frames_) : "", seconds,
         static_cast<double>(status.frames_out) / seconds);
-    const bool whole = !stopped && status.frames_failed == 0 && status.bad_messages == 0 &&
-                       input_.damaged_bytes() == 0;
+    const bool is_of_nothing =
+        status.frames_out > 0 && status.frames_degenerate == status.frames_out;
+    if (is_of_nothing) {
+      LogLine(LogLevel::kError, "all {} frames are degenerate, the last error is: {}",
+              status.frames_out, status.last_error);
+    }
+    const bool whole = !stopped && !is_of_nothing && status.frames_failed == 0 &&
+                       status.bad_messages == 0 && input_.damaged_bytes() == 0;
     return whole ? 0 : 1;
   }
 

@@ -38,7 +38,7 @@ inline constexpr size_t kReplayMaxPending = 64;
 /// of that name stays.
 ///
 /// @returns exit code: 0; 1 when the written log is incomplete: stopped, damage or bad messages in
-///          a log, or a frame on which the adapter failed.
+///          a log, or a frame on which the adapter failed; 1 also when all frames are degenerate.
 /// @throws ConfigError, and leaves nothing behind, when a log cannot be used, has no frame to
 ///         process, or is also the output; LogError when writing fails.
 int RunReplay(const ServiceContext& context, const ReplayOptions& options, StageAdapter& adapter);

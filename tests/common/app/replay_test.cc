@@ -16,6 +16,7 @@ namespace sprout {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -163,6 +164,18 @@ TEST_F(ReplayTest, AnswersADegenerateFrameAndGoesOnBehindAFailedOne) {
   EXPECT_EQ(Run(), 1);
   EXPECT_THAT(Answers(), ElementsAre(AnswerTo(0, 0, TofEvent(0)), AnswerTo(2, 7, TofEvent(2))));
   EXPECT_THAT(report_, HasSubstr("3 in, 2 out (1 degenerate), 1 failed"));
+}
+
+TEST_F(ReplayTest, SaysThatAllFramesAreDegenerate) {
+  WriteLog(in_, FramesWithGrey({0, 0}));
+  EXPECT_EQ(Run(), 1);
+  EXPECT_THAT(
+      log_.Lines(),
+      Contains(HasSubstr("all 2 frames are degenerate, the last error is: frame 1: too dark")));
+  EXPECT_THAT(Answers(), SizeIs(2));
+  WriteLog(in_, FramesWithGrey({0, 0, 3}));
+  EXPECT_EQ(Run(), 0) << "one of them says something";
+  EXPECT_THAT(log_.Lines(), Not(Contains(HasSubstr("all 3 frames"))));
 }
 
 TEST_F(ReplayTest, KnowsTheCalibrationFromTheStart) {

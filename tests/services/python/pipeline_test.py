@@ -63,8 +63,10 @@ class BytesTest(unittest.TestCase):
             for what, path in self.variants(folder):
                 for preset in PRESETS:
                     answers = folder / "answers.lcm"
+                    # Only preset default has seeds without range points; of nothing come empty maps.
+                    is_empty = "ToF False" in what and preset != "default"
                     run("sprout-pipeline", "--config", preset, "--log-level", "error", "--replay", path,
-                        "--record", answers)
+                        "--record", answers, expect=1 if is_empty else 0)
                     self.compare(what + ", " + preset, sprout.Pipeline(preset), path, answers)
 
     def compare(self, what: str, pipeline: sprout.Pipeline, inputs: pathlib.Path,

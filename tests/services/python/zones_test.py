@@ -52,11 +52,12 @@ class ZonesTest(unittest.TestCase):
                 if channel in ("SPROUT_LEFT", "SPROUT_RIGHT", "SPROUT_TOF", "SPROUT_RIG"):
                     items.append((utime, channel, data))
             write_log(path, items)
+            # All frames are degenerate: these zones leave no seed.
             run("sprout-pipeline", "--config", config[0], "--config", config[1], "--log-level", "error",
-                "--replay", path, "--record", answers)
+                "--replay", path, "--record", answers, expect=1)
             seeds = pathlib.Path(name) / "seeds.lcm"
             run("sprout-refine", "--config", config[0], "--config", config[1], "--log-level", "error",
-                "--replay", path, "--record", seeds)
+                "--replay", path, "--record", seeds, expect=1)
             pipeline, without = sprout.Pipeline(*config), sprout.Pipeline("default")
             frames = list(sprout.Log(path).frames())
             self.assertGreaterEqual(len(frames), 3)
