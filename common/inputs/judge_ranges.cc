@@ -16,7 +16,10 @@ struct RangeVerdicts {
   static constexpr int kSomeCompared = 40;
   static constexpr double kSure = 4;     ///< standard deviations, see MoreAgree()
   static constexpr double kHits = 0.02;  ///< share of the values that has to hit the picture
-  static constexpr double kGood = 0.7;   ///< share that agrees: 0.81 to 1 in good frames
+  /// Share of those in the left picture that has to hit the right one, too, where there are many.
+  static constexpr double kHitsBoth = 0.05;
+  static constexpr int kManyInPicture = 100;
+  static constexpr double kGood = 0.7;  ///< share that agrees: 0.81 to 1 in good frames
   static constexpr double kOfOneMoment = 0.8;
   static constexpr double kHalf = 0.5;
   static constexpr double kTurnedGain = 0.2;
@@ -96,6 +99,17 @@ Finding JudgeHits(const RangeModel& model) {
         "{:.0f} % of the ranges side by side differ by more than a tenth: is it noise, or are "
         "bytes in another order?",
         100 * apart);
+    return finding;
+  }
+  // What lies so near that the right camera does not see it becomes no seed and is never compared.
+  if (model.in_picture >= RangeVerdicts::kManyInPicture &&
+      model.in_both < RangeVerdicts::kHitsBoth * model.in_picture) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format(
+        "{} of {} range points in the left picture lie outside the right one, as what is too near: "
+        "in which unit are ranges (--tof-unit), where does the range sensor stand (rig file), and "
+        "do focal length and baseline belong to these images?",
+        model.in_picture - model.in_both, model.in_picture);
     return finding;
   }
   if (model.returns > 0 && share >= RangeVerdicts::kHits) {

@@ -178,12 +178,17 @@ class Comparison {
     const double fb = pair.focal_px * pair.baseline_m;
     std::vector<PicturePoint> points = Project(pixels, hypothesis);
     const auto in_picture = static_cast<int>(points.size());
+    const auto in_both = std::ranges::count_if(points, [&](const PicturePoint& point) {
+      const double u_right = point.u - point.disparity + pair.cx_right - pair.cx;
+      return u_right >= 0 && u_right < pair.width;
+    });
     PointGrid grid(std::move(points), pair.size());
     Agreement result{.factor = hypothesis.factor,
                      .turn = hypothesis.turn,
                      .ahead_m = hypothesis.ahead_m,
                      .move_px = hypothesis.move_px,
                      .in_picture = in_picture,
+                     .in_both = static_cast<int>(in_both),
                      .votes = std::vector<Vote>(matches_.size(), Vote::kNone),
                      .logs = {},
                      .offsets_m = {}};
@@ -364,9 +369,9 @@ RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
   const Comparison comparison(matches, projector);
   const std::vector<RangePixel> pixels = Chosen(all, RangeRules::kMaxPoints);
   model.as_is = comparison.Compare(pixels, {});
-  model.in_picture =
-      static_cast<int>(std::lround(model.as_is.in_picture * static_cast<double>(all.size()) /
-                                   static_cast<double>(pixels.size())));
+  const double part = static_cast<double>(pixels.size()) / static_cast<double>(all.size());
+  model.in_picture = static_cast<int>(std::lround(model.as_is.in_picture / part));
+  model.in_both = static_cast<int>(std::lround(model.as_is.in_both / part));
   const bool is_good = model.as_is.share() >= RangeRules::kGood;
   model.turned = BestTurned(comparison, Chosen(all, RangeRules::kMaxTurned), !is_good);
   if (!is_good) {

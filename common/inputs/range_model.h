@@ -47,6 +47,7 @@ struct Agreement {
   double ahead_m = 0;
   cv::Point2d move_px;
   int in_picture = 0;  ///< points
+  int in_both = 0;     ///< of these, points that fall into the right image, too
   int compared = 0;
   int agreeing = 0;  ///< of them, closely or not
   int close = 0;
@@ -70,6 +71,7 @@ struct RangeModel {
   int pairs = 0;       ///< of returns side by side in a row
   int apart = 0;       ///< pairs that differ by more than a tenth
   int in_picture = 0;  ///< values that fall into the left image; estimated from a part of them
+  int in_both = 0;     ///< values that fall into both images; estimated, too
   Agreement as_is;
   Agreement scaled;   ///< of other factors the best, if as_is is not good
   Agreement turned;   ///< of other turns the best; by 90° only if as_is is not good

@@ -360,6 +360,27 @@ TEST(CheckInputs, SaysThatARangeImageIsEmptyOrHitsNothing) {
   EXPECT_THAT(aside.Answer(Question::kHits).text, HasSubstr("where does the range sensor stand"));
 }
 
+// Whole metres, read as mm: too near for the right camera, and too coarse to tell a scale.
+TEST(CheckInputs, SaysThatRangesAreTooNearForBothPictures) {
+  Parts parts = SceneOf("synthetic:640x480?tof=sr4000");
+  for (float& depth_m : parts.tof.depth_m) depth_m = 0.001F * std::round(depth_m);
+  parts.rig.tof = TofOverLeft(parts.rig.pair, parts.tof.depth_m.size());
+  const Finding finding = parts.Answer(Question::kHits);
+  EXPECT_EQ(finding.verdict, Verdict::kBad) << finding.text;
+  EXPECT_THAT(finding.text, HasSubstr("lie outside the right one"));
+  EXPECT_THAT(finding.text, HasSubstr("in which unit are ranges"));
+}
+
+// A near wall of which both cameras see a tenth.
+TEST(CheckInputs, TakesRangesForGoodOfWhichSomeAreInOnePictureOnly) {
+  Parts parts = SceneOf();
+  const RectifiedPair& pair = parts.rig.pair;
+  const double d = 0.9 * pair.width + pair.cx_right - pair.cx;
+  parts.tof.depth_m.setTo(pair.focal_px * pair.baseline_m / d);
+  parts.rig.tof = TofOverLeft(pair, parts.tof.depth_m.size());
+  EXPECT_EQ(parts.Answer(Question::kHits).verdict, Verdict::kGood);
+}
+
 TEST(CheckInputs, SaysThatImagesUseFewBits) {
   Parts parts = SceneOf();
   parts.left /= 64;
