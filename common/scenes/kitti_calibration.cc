@@ -96,6 +96,18 @@ RectifiedPair ReadKittiPair(const std::filesystem::path& path, cv::Size size, bo
   return PairOf(KittiLines(path), size, grey);
 }
 
+PairCalibration OpenKittiPairs(const std::filesystem::path& path) {
+  const CalibrationLines file = KittiLines(path);
+  const auto pair_of = [file](cv::Size size, bool grey) { return PairOf(file, size, grey); };
+  try {
+    pair_of({}, /*grey=*/false);
+  } catch (const ConfigError&) {
+    if (!file.Has("P0") && !file.Has("P_rect_00")) throw;
+    pair_of({}, /*grey=*/true);
+  }
+  return pair_of;
+}
+
 KittiCalibration ReadKittiSequenceCalibration(const std::filesystem::path& path, cv::Size size,
                                               bool grey) {
   const CalibrationLines file = KittiLines(path);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <filesystem>
+#include <functional>
 #include <opencv2/core/types.hpp>
 
 #include "common/core/rig.h"
@@ -20,6 +21,16 @@ struct KittiCalibration {
 /// calib_cam_to_cam.txt of its raw drives: P2 and P3 (P_rect_02, P_rect_03), the colour cameras, or
 /// with `grey` P0 and P1. See ReadKittiCalibration().
 RectifiedPair ReadKittiPair(const std::filesystem::path& file, cv::Size size, bool grey = false);
+
+/// The calibration of a rectified pair, of a file that was read before.
+/// @param size  of the images, px.
+/// @param grey  KITTI's grey cameras (P0 and P1) instead of the coloured ones.
+/// @throws ConfigError naming file and key, when the file has no such pair, or of another size.
+using PairCalibration = std::function<RectifiedPair(cv::Size size, bool grey)>;
+
+/// Reads the pairs of a file once; what ReadKittiPair() gives for any images.
+/// @throws ConfigError when neither the colour cameras nor the grey ones can be used.
+PairCalibration OpenKittiPairs(const std::filesystem::path& file);
 
 /// Where the left camera is: what to add to a point in the frame of camera 0, m, by P2.
 Eigen::Vector3d ReadKittiLeftOffset(const std::filesystem::path& file);

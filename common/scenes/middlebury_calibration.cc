@@ -12,7 +12,6 @@
 #include "common/core/number_text.h"
 #include "common/core/read_text.h"
 #include "common/scenes/calibration_lines.h"
-#include "common/scenes/kitti_calibration.h"
 
 namespace sprout::scenes {
 namespace {
@@ -22,7 +21,11 @@ constexpr double kBaselineM = 0.160;
 constexpr double kMinBaselineMm = 1;     // less is in m
 constexpr double kDoffsTolerancePx = 1;  // they may be rounded
 
-// Of the "key=value" lines of a calib.txt.
+// The "key=value" lines of a calib.txt.
+CalibrationLines MiddleburyLines(const std::filesystem::path& path) {
+  return {path, "=", "cam0, cam1 and baseline"};
+}
+
 double Number(const CalibrationLines& calib, const std::string& key) {
   const std::optional<double> number = ParseNumber<double>(calib.Text(key));
   if (!number) throw calib.Bad(key, "a finite number");
@@ -67,25 +70,11 @@ double ReadDmin(const std::filesystem::path& path, double missing_dmin_px) {
   return *dmin;
 }
 
-}  // namespace
-
-RectifiedPair CalibrationFromDmin(const std::filesystem::path& dmin_file, double missing_dmin_px,
-                                  cv::Size size, int scale) {
-  RectifiedPair pair{.width = size.width, .height = size.height};
-  pair.focal_px = kFullSizeFocalPx / scale;
-  pair.cx = (size.width - 1) / 2.0;
-  pair.cy = (size.height - 1) / 2.0;
-  // Z = f·b / (d + dmin): what was subtracted is the difference of the principal points.
-  pair.cx_right = pair.cx + ReadDmin(dmin_file, missing_dmin_px) / scale;
-  pair.baseline_m = kBaselineM;
-  return pair;
-}
-
-RectifiedPair CalibrationFromCalib(const std::filesystem::path& calib_file, cv::Size size) {
-  const CalibrationLines calib(calib_file, "=", "cam0, cam1 and baseline");
+// The pair of images of any size.
+RectifiedPair PairOf(const CalibrationLines& calib) {
   const std::vector<double> left = Matrix(calib, "cam0");
   const std::vector<double> right = Matrix(calib, "cam1");
-  RectifiedPair pair{.width = size.width, .height = size.height};
+  RectifiedPair pair;
   pair.focal_px = left[0];
   pair.cx = left[2];
   pair.cy = left[5];
@@ -105,21 +94,53 @@ RectifiedPair CalibrationFromCalib(const std::filesystem::path& calib_file, cv::
     throw calib.Bad("doffs",
                     fmt::format("{:.6g} to 1 px, which is cx of cam1 less that of cam0", doffs));
   }
+  for (const char* key : {"width", "height"}) {
+    if (calib.Has(key)) Number(calib, key);
+  }
+  return pair;
+}
+
+// The same of images of a size.
+RectifiedPair Sized(RectifiedPair pair, const CalibrationLines& calib, cv::Size size) {
   for (const auto& [key, px] : {std::pair{"width", size.width}, {"height", size.height}}) {
     if (calib.Has(key) && Number(calib, key) != px) {
       throw calib.Bad(key, std::to_string(px) + ", as the images have");
     }
   }
+  pair.width = size.width;
+  pair.height = size.height;
   return pair;
 }
 
-RectifiedPair ReadCalibFile(const std::filesystem::path& path, cv::Size size, bool grey) {
+}  // namespace
+
+RectifiedPair CalibrationFromDmin(const std::filesystem::path& dmin_file, double missing_dmin_px,
+                                  cv::Size size, int scale) {
+  RectifiedPair pair{.width = size.width, .height = size.height};
+  pair.focal_px = kFullSizeFocalPx / scale;
+  pair.cx = (size.width - 1) / 2.0;
+  pair.cy = (size.height - 1) / 2.0;
+  // Z = f·b / (d + dmin): what was subtracted is the difference of the principal points.
+  pair.cx_right = pair.cx + ReadDmin(dmin_file, missing_dmin_px) / scale;
+  pair.baseline_m = kBaselineM;
+  return pair;
+}
+
+RectifiedPair CalibrationFromCalib(const std::filesystem::path& calib_file, cv::Size size) {
+  const CalibrationLines calib = MiddleburyLines(calib_file);
+  return Sized(PairOf(calib), calib, size);
+}
+
+PairCalibration OpenCalibFile(const std::filesystem::path& path) {
   const Result<std::string> text = ReadText(path);
   if (!text) throw ConfigError("calibration " + path.string() + ": " + text.error().text);
-  if (text->find("cam0=") != std::string::npos) return CalibrationFromCalib(path, size);
+  if (text->find("cam0=") != std::string::npos) {
+    const CalibrationLines calib = MiddleburyLines(path);
+    return [calib, pair = PairOf(calib)](cv::Size size, bool) { return Sized(pair, calib, size); };
+  }
   if (text->find("P0:") != std::string::npos || text->find("P2:") != std::string::npos ||
       text->find("P_rect_0") != std::string::npos) {
-    return ReadKittiPair(path, size, grey);
+    return OpenKittiPairs(path);
   }
   throw ConfigError("calibration " + path.string() +
                     ": neither Middlebury's (cam0=) nor KITTI's (P2:, P_rect_02:); allowed: one of "

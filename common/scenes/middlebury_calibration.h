@@ -8,6 +8,7 @@
 
 #include "common/core/rig.h"
 #include "common/scenes/dataset.h"
+#include "common/scenes/kitti_calibration.h"
 
 namespace sprout::scenes {
 
@@ -33,13 +34,11 @@ RectifiedPair CalibrationFromDmin(const std::filesystem::path& dmin_file, double
 ///         below 1 mm, cameras that are not rectified.
 RectifiedPair CalibrationFromCalib(const std::filesystem::path& calib_file, cv::Size size);
 
-/// Reads the calibration of a rectified pair from a calib.txt of whoever wrote it: Middlebury and
-/// ETH3D (cam0=, cam1=, baseline=; CalibrationFromCalib()) or KITTI (P2: and P3:, or P_rect_02: and
-/// P_rect_03:; ReadKittiPair()).
-/// @param size  of the images, px.
-/// @param grey  KITTI's grey cameras (P0 and P1) instead of the coloured ones.
-/// @throws ConfigError naming file and key.
-RectifiedPair ReadCalibFile(const std::filesystem::path& path, cv::Size size, bool grey);
+/// Reads once the calibration of rectified pairs from a calib.txt of whoever wrote it: Middlebury
+/// and ETH3D (cam0=, cam1=, baseline=; CalibrationFromCalib()) or KITTI (P2: and P3:, or P_rect_02:
+/// and P_rect_03:; OpenKittiPairs()).
+/// @throws ConfigError naming file and key, for all that is wrong whatever the images are.
+PairCalibration OpenCalibFile(const std::filesystem::path& path);
 
 /// One frame from a folder in Middlebury's layout, with the ToF camera simulated from the ground
 /// truth: config.tof() = grid from the left one, sr4000 from both.

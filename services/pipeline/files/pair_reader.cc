@@ -28,7 +28,9 @@ PairReader::PairReader(const RigOptions& options, const PixelOptions& pixels)
   }
   if (!options.rig_file.empty()) {
     rectifier_.emplace(RequireCalibration(LoadRigFile(options.rig_file), options.rig_file));
-  } else if (options.calib_file.empty() && (!options.focal_px || !options.baseline_m)) {
+  } else if (!options.calib_file.empty()) {
+    calibration_ = scenes::OpenCalibFile(options.calib_file);
+  } else if ((!options.focal_px || !options.baseline_m)) {
     throw ConfigError(
         "no calibration; allowed: --rig FILE, or of a rectified pair --calib FILE, or --focal-px "
         "and "
@@ -47,9 +49,9 @@ PairReader::PairReader(const RigOptions& options, const PixelOptions& pixels)
 
 Result<RectifiedPair> PairReader::PairOf(const cv::Mat& left) const {
   const cv::Size size = left.size();
-  if (!options_.calib_file.empty()) {
+  if (calibration_) {
     try {
-      return scenes::ReadCalibFile(options_.calib_file, size, /*grey=*/left.channels() == 1);
+      return calibration_(size, /*grey=*/left.channels() == 1);
     } catch (const ConfigError& e) {
       return Fail(e.what());
     }

@@ -12,6 +12,7 @@
 #include "common/core/result.h"
 #include "common/picture/eight_bits.h"
 #include "common/rig/rectifier.h"
+#include "common/scenes/kitti_calibration.h"
 #include "services/capture/video_pictures.h"
 #include "services/pipeline/files/image_pairs.h"
 
@@ -21,7 +22,7 @@ namespace sprout {
 /// and baseline.
 struct RigOptions {
   std::string rig_file = {};
-  std::string calib_file = {};  ///< see scenes::ReadCalibFile()
+  std::string calib_file = {};  ///< see scenes::OpenCalibFile()
   std::optional<double> focal_px = {};
   std::optional<double> baseline_m = {};
   std::optional<double> cx = {};        ///< of the left image, px; otherwise its middle
@@ -68,6 +69,7 @@ class PairReader {
   RigOptions options_;
   EightBits eight_bits_;
   std::optional<double> tof_unit_m_;
+  scenes::PairCalibration calibration_;  // of options_.calib_file
   OpenVideo left_video_, right_video_;
   std::optional<Rectifier> rectifier_;
   std::optional<TofCamera> tof_camera_;     // of a rectified pair

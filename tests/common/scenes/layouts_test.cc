@@ -119,7 +119,7 @@ TEST_F(KittiLayouts, RawDrivesHaveTheirDaysCalibrationInTheFolderAbove) {
   EXPECT_NEAR(source->rig().pair.baseline_m, 0.5, 1e-12);
   EXPECT_NEAR(source->Get(0).tof.depth_m(15, 20), 10, 1e-5);
   // --calib of sprout-pipeline files reads the same file.
-  EXPECT_NEAR(ReadCalibFile(folder_.File("calib_cam_to_cam.txt"), kSize, true).baseline_m, 0.54,
+  EXPECT_NEAR(OpenCalibFile(folder_.File("calib_cam_to_cam.txt"))(kSize, true).baseline_m, 0.54,
               1e-12);
 }
 

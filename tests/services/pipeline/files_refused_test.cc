@@ -26,6 +26,12 @@ TEST_F(Files, ThatCannotBeUsedAreRefusedBeforeAnythingIsComputed) {
   Write("two/2.png", scene_.left);
   Write("two/2.bmp", scene_.left);
   const std::string blocked = folder_ / "left.png/out";
+  const std::string middlebury =
+      "cam0=[90 0 9; 0 90 9; 0 0 1]\ncam1=[90 0 9; 0 90 9; 0 0 1]\nbaseline=9\n";
+  const auto calib_of = [&](const std::string& text) {
+    std::ofstream(folder_ / "calib.txt") << text << "\n";
+    return std::string(folder_ / "calib.txt");
+  };
   const struct {
     std::function<void(FilesOptions&)> change;
     std::string text;
@@ -39,6 +45,17 @@ TEST_F(Files, ThatCannotBeUsedAreRefusedBeforeAnythingIsComputed) {
       {[&](auto& o) { o.rig = {}; }, "no calibration; allowed: --rig FILE, or of a rectified pair"},
       {[&](auto& o) { o.pixels.tof_unit = "1/0"; }, "--tof-unit 1/0: allowed: mm, cm, m, 1/N"},
       {[&](auto& o) { o.rig.rig_file = nothing; }, nothing},
+      {[&](auto& o) { o.rig = {.calib_file = nothing}; },
+       "calibration " + nothing + ": cannot be read (No such file"},
+      {[&](auto& o) { o.rig = {.calib_file = calib_of("fx 90")}; },
+       "neither Middlebury's (cam0=) nor KITTI's (P2:, P_rect_02:)"},
+      {[&](auto& o) { o.rig = {.calib_file = calib_of("cam0=[9 0 4]")}; },
+       "cam0=[9 0 4]: allowed: "},
+      {[&](auto& o) { o.rig = {.calib_file = calib_of(middlebury + "width=wide")}; },
+       "width=wide: allowed: a finite number"},
+      {[&](auto& o) { o.rig = {.calib_file = calib_of("P2: 90 0")}; }, "P2: 90 0: allowed: "},
+      {[&](auto& o) { o.rig = {.calib_file = calib_of("P0: 90 0\nP1: 1")}; },
+       "P0: 90 0: allowed: "},
       {[&](auto& o) { o.out = blocked; }, "--out " + blocked + ": cannot be written ("},
   };
   for (const auto& [change, text] : table) {
