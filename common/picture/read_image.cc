@@ -173,9 +173,12 @@ std::string NamesOf(std::initializer_list<ImageFormat> formats) {
 Result<CameraImage> Decode(const std::filesystem::path& path, int flags,
                            std::initializer_list<ImageFormat> formats) {
   const std::string name = "image " + path.string() + ": ";
-  const auto undecodable =
-      Fail(name + "cannot be decoded; allowed: a readable " + NamesOf(formats) + " file");
+  const std::string allowed = "; allowed: a readable " + NamesOf(formats) + " file";
+  const auto undecodable = Fail(name + "cannot be decoded" + allowed);
   std::error_code ignored;
+  if (std::filesystem::status(path, ignored).type() == std::filesystem::file_type::not_found) {
+    return Fail(name + "is missing" + allowed);
+  }
   if (!std::filesystem::is_regular_file(path, ignored)) return undecodable;  // a pipe would wait
   NoteInputFile(path);
   const std::optional<Header> header = ReadHeader(path);

@@ -23,8 +23,8 @@ inline constexpr std::initializer_list<ImageFormat> kCameraFormats = {
 /// Decodes an image, with the pixels as in the file. Format and size are read from the first bytes
 /// and the header and checked before OpenCV decodes it: a small file may claim any size.
 /// @param flags  cv::imread()'s.
-/// @returns the image, or "image PATH: " and what is wrong with it: not of the formats, unreadable,
-///          cut, larger than kMaxSide or kMaxPixels.
+/// @returns the image, or "image PATH: " and what is wrong with it: not of the formats, missing,
+///          unreadable, cut, larger than kMaxSide or kMaxPixels.
 Result<cv::Mat> DecodeImageFile(const std::filesystem::path& path, int flags,
                                 std::initializer_list<ImageFormat> formats);
 

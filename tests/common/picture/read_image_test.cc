@@ -153,7 +153,11 @@ TEST_F(ReadImageFile, FindsTheEndOfAJpegBehindAThumbnailAndBeforeOtherBytes) {
 TEST_F(ReadImageFile, NamesWhatCannotBeDecoded) {
   const char* const reason =
       "cannot be decoded; allowed: a readable PNG, JPEG, PPM, BMP or TIFF file";
-  EXPECT_THAT(ErrorOf(File("none.png")), HasSubstr(reason));
+  const char* const missing =
+      "none.png: is missing; allowed: a readable PNG, JPEG, PPM, BMP or TIFF";
+  EXPECT_THAT(ErrorOf(File("none.png")), HasSubstr(missing));
+  std::filesystem::create_symlink(File("nowhere.png"), File("link_to_none.png"));
+  EXPECT_THAT(ErrorOf(File("link_to_none.png")), HasSubstr(missing));
   EXPECT_THAT(ErrorOf(folder_ / ""), HasSubstr(reason));
   std::ofstream(File("text.png")) << "text";
   EXPECT_THAT(ErrorOf(File("text.png")), HasSubstr(reason));
