@@ -124,7 +124,7 @@ TEST_F(CalibrateCheck, SaysWhenASceneDoesNotTell) {
   *description.mutable_calibration() = ToCalibration(SceneRig({640, 480}));
   ASSERT_TRUE(SaveRigFile(folder_ / "rig.textproto", description));
   cv::Mat1b wall(480, 640);  // brighter to one side, and no corner
-  for (int u = 0; u < wall.cols; ++u) wall.col(u) = 60 + u / 10;
+  for (int u = 0; u < wall.cols; ++u) wall.col(u).setTo(60 + u / 10);
   WriteImages(folder_ / ".", "0", {.left = wall, .right = wall, .tof = {}});
   const MainOutcome outcome = RunCalibrate("check " + (folder_ / ".").string() + " --rig " +
                                            (folder_ / "rig.textproto").string());

@@ -1,0 +1,35 @@
+#ifndef SPROUT_TESTS_COMMON_INPUTS_PARTS_H_
+#define SPROUT_TESTS_COMMON_INPUTS_PARTS_H_
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "common/config/config.h"
+#include "common/core/image.h"
+#include "common/inputs/check_inputs.h"
+#include "common/scenes/dataset.h"
+
+namespace sprout::inputs {
+
+// A scene of planes, boxes and a sphere with exact range points.
+struct Parts {
+  cv::Mat1b left, right;
+  TofImage tof;
+  Rig rig;
+
+  Findings Check() const { return CheckInputs(left, right, tof, rig); }
+  Finding Answer(Question question) const { return Check()[static_cast<size_t>(question)]; }
+};
+
+inline Parts SceneOf(const std::string& source = "synthetic:640x480?tof=grid", int64_t index = 0) {
+  CaptureConfig config = LoadConfig({}).capture();
+  config.set_source(source);
+  const auto dataset = scenes::OpenDataset(config);
+  const scenes::DatasetFrame frame = dataset->Get(index);
+  return {ToGrey(frame.left).clone(), ToGrey(frame.right).clone(), frame.tof, dataset->rig()};
+}
+
+}  // namespace sprout::inputs
+
+#endif  // SPROUT_TESTS_COMMON_INPUTS_PARTS_H_
