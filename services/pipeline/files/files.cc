@@ -128,18 +128,34 @@ struct Computed {
   std::string complaint;
 };
 
-Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline& pipeline) {
+// Ranges that are noise, hit nothing, or have another scale would spoil what the pair shows.
+bool AreRangesUseless(const inputs::Findings& findings) {
+  return std::ranges::any_of(findings, [](const inputs::Finding& finding) {
+    return finding.verdict == inputs::Verdict::kBad &&
+           (finding.question == inputs::Question::kHits ||
+            finding.question == inputs::Question::kScale);
+  });
+}
+
+// @param has_stereo  whether there is a map without ranges, too.
+Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline& pipeline,
+                             bool has_stereo) {
   using Clock = std::chrono::steady_clock;
   try {
     Result<Frame> frame = reader.Read(pair);
     if (!frame) return tl::unexpected(frame.error());
     const auto begun = Clock::now();
+    const inputs::Findings findings =
+        inputs::CheckInputs(frame->left, frame->right, *frame->tof, *frame->rig);
+    std::string complaint = BadText(findings);
+    if (has_stereo && !frame->tof->depth_m.empty() && AreRangesUseless(findings)) {
+      frame->tof = TofImage();
+      complaint += "; no range is believed";
+    }
     Result<DepthFrame> depth =
         pipeline.Compute(frame->left, frame->right, *frame->tof, *frame->rig);
     if (!depth) return tl::unexpected(depth.error());
     const std::chrono::duration<double, std::milli> time = Clock::now() - begun;
-    std::string complaint =
-        BadText(inputs::CheckInputs(frame->left, frame->right, *frame->tof, *frame->rig));
     return Computed{*std::move(frame), *std::move(depth), time.count(), std::move(complaint)};
   } catch (const std::exception& e) {
     return Fail(e.what());
@@ -154,14 +170,15 @@ class FilesRun {
         input_(config.depth().input()),
         reader_(options.rig, options.pixels),
         found_(ListPairs(options.left, options.right, options.tof, options.max_spread_ms)),
-        pipeline_(config) {}
+        pipeline_(config),
+        has_stereo_(config.refine().stereo_seeds()) {}
 
   void Run(const std::stop_token& stop) {
     for (const std::string& note : found_.notes) Say(note);
     for (const ImagePair& pair : found_.pairs) {
       if (stop.stop_requested()) break;
       ShowProgress(pair, "computing");
-      Result<Computed> computed = ComputePair(reader_, pair, pipeline_);
+      Result<Computed> computed = ComputePair(reader_, pair, pipeline_, has_stereo_);
       FinishWriting();
       if (const std::string note = reader_.TakeNote(); !note.empty()) {
         progress_.Clear();
@@ -245,6 +262,7 @@ class FilesRun {
   PairReader reader_;
   ImagePairs found_;
   Pipeline pipeline_;
+  bool has_stereo_;
   Progress progress_{/*quiet=*/false};
   size_t done_ = 0;
   size_t left_out_ = 0;

@@ -267,6 +267,18 @@ TEST_F(FilesInput, OfRangesAreInTheUnitThatIsGiven) {
   EXPECT_GT(Right(Depth()), 95);
 }
 
+TEST_F(FilesInput, OfRangesThatAreWrongAreComputedWithout) {
+  EXPECT_EQ(Run(), 0);
+  const cv::Mat1f without = Depth();
+  cv::Mat1w noise(RangePicture(1000).size());
+  cv::RNG(1).fill(noise, cv::RNG::UNIFORM, 1000, 4000);
+  options_.tof = Write("tof.png", noise);
+  EXPECT_EQ(Run(), 1);
+  EXPECT_THAT(err_, HasSubstr("is it noise"));
+  EXPECT_THAT(err_, HasSubstr("no range is believed"));
+  EXPECT_EQ(cv::countNonZero(Depth() != without), cv::countNonZero(without != without));
+}
+
 TEST_F(FilesInput, OfRangesHaveNoReturnWhere65535Is) {
   cv::Mat1w tof = RangePicture(1000);
   tof(cv::Rect(0, 0, 48, 72)).setTo(65535);
