@@ -184,7 +184,8 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
   }
   error_.curve_is_zero = curve_.is_zero();
   for (const RangeKnot& knot : error_.curve) {
-    if (std::abs(knot.error_m) <= RangeRules::kMostOfDepth * knot.depth_m) continue;
+    const double least_m = std::abs(knot.error_m) - RangeRules::kSureSigmas * knot.sigma_m;
+    if (!(least_m > RangeRules::kMostOfDepth * knot.depth_m)) continue;
     error_.absurd = knot;
     contradicted_.assign(points.size(), 1);
     return error_;
