@@ -183,7 +183,7 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
     return error_;
   }
   error_.curve_is_zero = curve_.is_zero();
-  for (const RangeKnot& knot : error_.curve) {
+  for (const RangeKnot& knot : curve_.knots()) {
     const double least_m = std::abs(knot.error_m) - RangeRules::kSureSigmas * knot.sigma_m;
     if (!(least_m > RangeRules::kMostOfDepth * knot.depth_m)) continue;
     error_.absurd = knot;
