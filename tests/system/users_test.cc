@@ -139,7 +139,7 @@ TEST_F(TopSystem, SaysWhatInAFrameDoesNotFit) {
   TofImage in_mm;
   in_mm.depth_m = frame.tof.depth_m * 1000;
   row = send(frame.left, frame.right, in_mm);
-  EXPECT_THAT(row["last_error"].get<std::string>(), HasSubstr("are they in mm, and read as m?"));
+  EXPECT_THAT(row["last_error"].get<std::string>(), HasSubstr("are they in mm, and read as m"));
   EXPECT_EQ(row["frames_degenerate"], 2) << row;
   row = send(frame.left, frame.right, frame.tof);
   EXPECT_EQ(row["frames_degenerate"], 2) << row;
