@@ -166,8 +166,8 @@ void RangeCurve::FindPath(std::span<const Bin> bins, const Prices& prices) {
   }
 }
 
-// Prices draw a curve to 0, so that it does not explain what the scene adds. Where it is known to
-// be off, and nothing else is estimated, they only make it wrong.
+// Prices draw a curve to 0, so that it does not explain what the scene adds. Between points that
+// are far apart little or nothing of that is seen, and a part of the error would stay.
 void RangeCurve::Stiffen(std::span<const RangeNode> nodes, const RectifiedPair& pair,
                          std::span<const Bin> bins) {
   const double bent_sigmas = GainInSigmas(nodes, pair);

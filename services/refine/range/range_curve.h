@@ -20,9 +20,9 @@ struct RangeKnot {
 /// errors in metres; the curve through the votes that costs least is taken if it is significant.
 class RangeCurve {
  public:
-  /// @param stiff  whether the error is much the same at all depths, as a lidar's is, and nothing
-  ///               else explains what nodes are off by: then the curve is drawn neither to 0 nor
-  ///               from knot to knot, as long as it is about as significant.
+  /// @param stiff  for points that are far apart, such as a lidar's, whose error hardly changes
+  ///               with the depth: a significant curve is drawn neither to 0 nor from knot to
+  ///               knot, as long as it stays about as significant.
   /// O(nodes · candidates); no I/O; on OpenCV's threads, with the same result for any number.
   void Estimate(std::span<const RangeNode> nodes, const RectifiedPair& pair, bool stiff);
 
