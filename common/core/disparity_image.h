@@ -17,6 +17,8 @@ class DisparityImage {
  public:
   static constexpr int kCountsPerPixel = 32;
   static constexpr int16_t kInvalid = std::numeric_limits<int16_t>::min();
+  /// Largest whole disparity around which all sub-pixel ones can be stored.
+  static constexpr int kMaxWholePx = std::numeric_limits<int16_t>::max() / kCountsPerPixel;
   static constexpr double kMaxPx = std::numeric_limits<int16_t>::max() / double{kCountsPerPixel};
 
   DisparityImage() = default;

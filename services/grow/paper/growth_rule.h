@@ -72,11 +72,12 @@ struct Correspondence {
   int u, v, d;
 };
 
-/// Whether both 5×5 windows lie in images of that size. d < 0 fits nothing.
+/// Whether both 5×5 windows lie in images of that size. d < 0, and what a map cannot hold, fits
+/// nothing.
 inline bool WindowsFit(const Correspondence& q, cv::Size size) {
   constexpr int kRadius = kWindowRadius;
-  return q.d >= 0 && q.u - q.d >= kRadius && q.u < size.width - kRadius && q.v >= kRadius &&
-         q.v < size.height - kRadius;
+  return q.d >= 0 && q.d <= DisparityImage::kMaxWholePx && q.u - q.d >= kRadius &&
+         q.u < size.width - kRadius && q.v >= kRadius && q.v < size.height - kRadius;
 }
 
 /// One pair of images, grey, and its prior, which is used only if the similarity is EPC.

@@ -136,7 +136,7 @@ class Choice {
     const F fraction =
         hn::ConvertTo(df, hn::And(prior, hn::Set(d, DisparityImage::kCountsPerPixel - 1)));
     const F rest = hn::Sub(hn::Set(df, DisparityImage::kCountsPerPixel), fraction);
-    const V room = hn::Sub(hn::Sub(columns, first), hn::Set(d, kWindowRadius));
+    const V room = hn::Sub(HighestThatFits(columns), first);
     const auto cost_at = [&](V steps, F energies, F differences, F distances) HWY_ATTR {
       const V fits = hn::Or(hn::Add(first, steps), hn::Sub(room, steps));
       return EpcCosts(rule_, energies, differences, distances, hn::Set(df, rule_.prior_scales[0]),

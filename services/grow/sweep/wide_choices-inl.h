@@ -38,7 +38,7 @@ class WideChoice {
     const V lowest = hn::ShiftRight<5>(
         hn::Add(hn::Sub(prior, reach), hn::Set(d, DisparityImage::kCountsPerPixel - 1)));
     const V highest = hn::ShiftRight<5>(hn::Add(prior, reach));
-    room_ = hn::Sub(hn::Iota(d, u), hn::Set(d, kWindowRadius));
+    room_ = HighestThatFits(hn::Iota(d, u));
     lowest_ = hn::IfThenElse(wanted, hn::Max(lowest, hn::Zero(d)), hn::Set(d, kNever));
     highest_ = hn::IfThenElse(wanted, hn::Min(highest, room_), hn::Set(d, -kNever));
     left_energy_ = hn::LoadU(d, row.left_energies + u);

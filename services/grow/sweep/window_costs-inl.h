@@ -76,6 +76,14 @@ HWY_INLINE V EpcCosts(const GrowthRule& rule, F energies, F differences, F dista
   return hn::Or(whole, hn::BitCast(d, excluded));
 }
 
+// The largest disparity whose right window lies in the image, and that a map can hold.
+template <class V>
+HWY_INLINE V HighestThatFits(V columns) {
+  const hn::DFromV<V> d;
+  return hn::Min(hn::Sub(columns, hn::Set(d, kWindowRadius)),
+                 hn::Set(d, DisparityImage::kMaxWholePx));
+}
+
 // A whole number as a divisor.
 template <class V>
 HWY_INLINE auto AtLeastOne(V number) {
@@ -177,8 +185,9 @@ HWY_INLINE Four FourCosts(const GrowthRule& rule, const GrowthBand& band, PixelI
   const Four distances = hn::Sub(hn::ShiftLeft<5>(disparities), hn::Set(d4, prior));
   const hn::Rebind<uint8_t, DFour> d8;
   const Four states = hn::PromoteTo(d4, hn::LoadU(d8, band.right.data() + (id - (d + 1))));
-  const Four fits =
-      hn::Or(disparities, hn::VecFromMask(d4, hn::Eq(states, hn::Set(d4, RightState::kNoWindow))));
+  const Four room = hn::Sub(hn::Set(d4, DisparityImage::kMaxWholePx), disparities);
+  const Four fits = hn::Or(hn::Or(disparities, room),
+                           hn::VecFromMask(d4, hn::Eq(states, hn::Set(d4, RightState::kNoWindow))));
   const hn::RebindToFloat<DFour> df;
   return EpcCosts(rule, AtLeastOne(sums.energies), hn::ConvertTo(df, sums.differences),
                   hn::ConvertTo(df, distances), hn::Set(df, rule.prior_scales[sigma]), fits);

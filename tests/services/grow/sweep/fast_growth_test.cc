@@ -143,6 +143,31 @@ TEST(Grower, GivesThePixelsOfPlainGrowthWherePixelsDifferInHowSureThePriorIs) {
 
 // A full-size scene, seeds at every 10th pixel of its ground truth, and the prior that these give
 // when they are enlarged.
+// The next larger one would be negative in a map's 16 bits.
+TEST(Grower, MatchesNothingBeyondTheLargestDisparityOfAMap) {
+  const cv::Size size(1300, 40);
+  const cv::Mat1b left = Noise(size, 3, 256);
+  const PriorMap prior = ConstantPrior(size, 1023.4);
+  for (const int disparity : {DisparityImage::kMaxWholePx, DisparityImage::kMaxWholePx + 1}) {
+    std::vector<Seed> seeds;
+    for (int v = 5; v < 35; v += 5) {
+      seeds.push_back(
+          {.u = 1200, .v = static_cast<float>(v), .u_right = static_cast<float>(1200 - disparity)});
+    }
+    for (const double sigma_p_px : {0.6, 1.5, 4.0}) {
+      GrowConfig config = EpcConfig();
+      config.set_sigma_p_px(sigma_p_px);
+      config.set_sub_pixel(true);
+      const DisparityImage map =
+          ExpectFastEqualsPlain(config, left, ShiftedBy(left, disparity), seeds, prior);
+      EXPECT_GT(map.CountValid(), disparity == DisparityImage::kMaxWholePx ? 5000 : -1);
+      for (const int16_t counts : map.counts()) {
+        ASSERT_TRUE(counts == DisparityImage::kInvalid || counts > 32 * 1000) << counts;
+      }
+    }
+  }
+}
+
 TEST(Grower, GivesThePixelsOfPlainGrowthOnAFullScene) {
 #ifndef NDEBUG
   GTEST_SKIP() << "minutes without optimisation";
