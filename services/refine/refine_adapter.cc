@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/core/image.h"
+#include "common/geometry/native_ranges.h"
 #include "common/geometry/widened_frame.h"
 #include "common/inputs/check_inputs.h"
 #include "common/inputs/judge_ranges.h"
@@ -39,6 +40,12 @@ SeedCounts CountsOf(const StageResult& result) {
 
 void AddLine(StageResult& result, const std::string& line) {
   if (!line.empty()) result.degenerate += (result.degenerate.empty() ? "" : "; ") + line;
+}
+
+// What is found of the range sensor, before what else is.
+void PutFirst(StageResult& result, const std::string& finding) {
+  const std::string others = result.range_error.value_or("");
+  result.range_error = finding + (others.empty() ? "" : "; " + others);
 }
 
 }  // namespace
@@ -205,16 +212,14 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
       refined.fits && (refiner_.range_error().Refuses() || refiner_.are_noise());
   if (refined.fits) outcome.range_error = RangeErrorText(refiner_.range_error());
   if (refined.fits && refiner_.scan_move().is_off) {
-    const std::string errors = outcome.range_error.value_or("");
-    outcome.range_error =
-        ScanMoveText(refiner_.scan_move()) + (errors.empty() ? "" : "; " + errors);
+    PutFirst(outcome, ScanMoveText(refiner_.scan_move()));
   }
   outcome.outputs.push_back({Part::kSeeds, std::move(*seeds)});
   outcome.outputs.push_back({Part::kLeftSeeds, std::move(left_seeds)});
   return refined;
 }
 
-StageResult RefineAdapter::Process(const Frame& frame) {
+StageResult RefineAdapter::ProcessNative(const Frame& frame) {
   Refined refined = RefineWhole(frame);
   StageResult& outcome = refined.answer;
   if (!refined.fits) return std::move(refined.answer);
@@ -226,6 +231,26 @@ StageResult RefineAdapter::Process(const Frame& frame) {
                                       std::get<SeedSet>(outcome.outputs[1].value)));
   }
   return std::move(refined.answer);
+}
+
+StageResult RefineAdapter::Process(const Frame& frame) {
+  std::optional<NativeRanges> native;
+  if (CheckTofSize(*frame.rig, *frame.tof)) {
+    native = FindNativeRanges(*frame.tof, frame.rig->tof);
+  }
+  if (!native) return ProcessNative(frame);
+  Frame smaller = frame;
+  smaller.tof = native->tof;
+  smaller.rig->tof = native->camera;
+  StageResult result = ProcessNative(smaller);
+  for (PartOutput& output : result.outputs) {
+    for (Seed& seed : std::get<SeedSet>(output.value).seeds) native->ToEnlarged(seed);
+  }
+  PutFirst(result,
+           fmt::format("the range image of {} pixels is one of {} that was enlarged, and "
+                       "is taken as that",
+                       SizeText(frame.tof->depth_m.size()), SizeText(native->tof.depth_m.size())));
+  return result;
 }
 
 }  // namespace sprout::refine

@@ -31,7 +31,8 @@ class RefineAdapter : public StageAdapter {
   /// answers; without a usable point, and if stereo finds nothing either, both are empty and
   /// the result says why. It also says, of the first frame, the first with a range image and each
   /// check_inputs_every-th one, what is wrong with the input (again in later frames that have
-  /// something to say), and when range points stop to come.
+  /// something to say), and when range points stop to come. A range image that was enlarged is
+  /// taken at its sensor's resolution, see FindNativeRanges().
   StageResult Process(const Frame& frame) override;
 
  private:
@@ -40,6 +41,7 @@ class RefineAdapter : public StageAdapter {
     bool fits = true;  // images and range image have the sizes of the calibration
   };
   bool HasPointsBelowZero(const Frame& frame, double share);
+  StageResult ProcessNative(const Frame& frame);
   Refined RefineWhole(const Frame& frame);
   Refined RefineFrom0(const Frame& frame);
   const TofProjector& ProjectorOf(const Rig& rig);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <opencv2/imgproc.hpp>
 #include <utility>
 #include <vector>
 
@@ -100,6 +101,39 @@ TEST(RefineAdapter, SaysWhereADisplacedSensorBelongs) {
   const StageResult right = adapter.Process(FrameOf(BoxScene()));
   EXPECT_FALSE(right.ranges_refused);
   EXPECT_EQ(right.degenerate, "");
+}
+
+TEST(RefineAdapter, TakesAnEnlargedRangeImageAsItsSensorGaveIt) {
+  RefineAdapter adapter{RefineConfig()};
+  Scene scene = BoxScene();
+  cv::RNG random(7);
+  for (float& depth_m : scene.tof.depth_m) depth_m *= 1 + 0.002F * random.uniform(-1.0F, 1.0F);
+  Scene enlarged = scene;
+  constexpr int kTimes = 3;
+  cv::resize(scene.tof.depth_m, enlarged.tof.depth_m, {}, kTimes, kTimes, cv::INTER_NEAREST);
+  enlarged.tof.amplitude.release();
+  TofCamera& camera = enlarged.rig.tof;
+  camera.width *= kTimes;
+  camera.height *= kTimes;
+  camera.fx *= kTimes;
+  camera.fy *= kTimes;
+  camera.cx = (camera.cx + 0.5) * kTimes - 0.5;
+  camera.cy = (camera.cy + 0.5) * kTimes - 0.5;
+  const StageResult expected = adapter.Process(FrameOf(scene));
+  const StageResult found = adapter.Process(FrameOf(enlarged));
+  EXPECT_THAT(found.range_error.value_or(""), HasSubstr("was enlarged"));
+  const SeedSet seeds = std::get<SeedSet>(found.outputs.at(0).value);
+  SeedSet of_sensor = std::get<SeedSet>(expected.outputs.at(0).value);
+  EXPECT_GT(CountTofSeeds(of_sensor.seeds), 1000);
+  EXPECT_EQ(seeds.raw, of_sensor.raw);
+  ASSERT_EQ(seeds.seeds.size(), of_sensor.seeds.size());
+  for (size_t i = 0; i < seeds.seeds.size(); ++i) {
+    Seed& seed = of_sensor.seeds[i];
+    EXPECT_NEAR(seeds.seeds[i].disparity(), seed.disparity(), 1e-3);
+    if (seed.tof_u < 0) continue;
+    EXPECT_EQ(seeds.seeds[i].tof_u, kTimes * seed.tof_u + 1);
+    EXPECT_EQ(seeds.seeds[i].tof_v, kTimes * seed.tof_v + 1);
+  }
 }
 
 TEST(RefineAdapter, FillsWithZonesWhereNothingElseIsKnown) {

@@ -1,0 +1,181 @@
+#include "common/geometry/native_ranges.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace sprout {
+namespace {
+
+constexpr int kFewest = 8;  // columns or rows of a sensor
+
+// Columns at which something of the picture changes: where a pixel differs from the one before, or
+// where the slope does. Empty: more than every second column does.
+template <typename Changes>
+std::vector<int> ChangedColumns(const cv::Mat1f& image, int first, int last, Changes changes) {
+  std::vector<uint8_t> changed(static_cast<size_t>(image.cols), 0);
+  int count = 0;
+  for (int y = 0; y < image.rows; ++y) {
+    const float* row = image[y];
+    for (int x = first; x <= last; ++x) {
+      if (changed[static_cast<size_t>(x)] != 0 || !changes(row + x)) continue;
+      changed[static_cast<size_t>(x)] = 1;
+      if (2 * ++count > image.cols) return {};
+    }
+  }
+  std::vector<int> columns;
+  for (int x = first; x <= last; ++x) {
+    if (changed[static_cast<size_t>(x)] != 0) columns.push_back(x);
+  }
+  return columns;
+}
+
+// Where the pixels of a sensor show along a side of an enlarged image.
+struct Pattern {
+  double phase;        // 0: where parts of equal length meet; 0.5: in their middles
+  double shift_px;     // from there to the column that changes
+  int most_columns;    // that change at one of them
+  int least_px;        // a part
+  double least_share;  // of the parts that have such a column
+};
+
+// What differs from the pixel before is the first pixel of a part. The slope changes in the middle
+// of a part, and where that lies between two pixels, at both. Some rows show that, not each.
+constexpr Pattern kRepeated{
+    .phase = 0, .shift_px = 0, .most_columns = 1, .least_px = 2, .least_share = 0.5};
+constexpr Pattern kInterpolated{
+    .phase = 0.5, .shift_px = -0.5, .most_columns = 2, .least_px = 4, .least_share = 0.25};
+
+// The least number of equal parts of `length` of which columns show such a pattern, to less than a
+// pixel, which is the rounding of a pixel's place; 0: none.
+int PartsOf(const std::vector<int>& columns, int length, const Pattern& pattern) {
+  for (int parts = kFewest; parts <= length / pattern.least_px; ++parts) {
+    const double side = static_cast<double>(length) / parts;
+    double last = std::numeric_limits<double>::quiet_NaN();
+    int used = 0, in_last = 0;
+    const bool fit = std::ranges::all_of(columns, [&](int column) {
+      const double place = column - pattern.shift_px;
+      const double part = std::round(place / side - pattern.phase);
+      in_last = part == last ? in_last + 1 : 1;
+      if (in_last == 1) ++used;
+      last = part;
+      return in_last <= pattern.most_columns && std::abs((part + pattern.phase) * side - place) < 1;
+    });
+    if (fit && used >= std::max<double>(kFewest - 1, pattern.least_share * parts - 1)) return parts;
+  }
+  return 0;
+}
+
+// Smallest difference of neighbours in some rows: a count of a file of whole numbers, or what
+// rounding makes.
+float QuantumOf(const cv::Mat1f& image) {
+  constexpr int kRows = 64;
+  float quantum = std::numeric_limits<float>::infinity();
+  for (int y = 0; y < image.rows; y += std::max(1, image.rows / kRows)) {
+    const float* row = image[y];
+    for (int x = 1; x < image.cols; ++x) {
+      const float difference = std::abs(row[x] - row[x - 1]);
+      if (difference > 0) quantum = std::min(quantum, difference);  // false for NaN
+    }
+  }
+  return quantum;
+}
+
+// Columns of the sensor that an enlarged image was made of.
+struct Columns {
+  int count = 0;  // 0: the image is not enlarged
+  bool interpolated = false;
+};
+
+Columns NativeColumns(const cv::Mat1f& image) {
+  const auto bits = [](float value) { return std::bit_cast<uint32_t>(value); };
+  const std::vector<int> steps = ChangedColumns(image, 1, image.cols - 1, [&](const float* pixel) {
+    return bits(pixel[0]) != bits(pixel[-1]);
+  });
+  if (!steps.empty()) return {.count = PartsOf(steps, image.cols, kRepeated)};
+  // Within a cell of linear interpolation the second difference is at most two counts, and what
+  // rounding of single precision adds.
+  constexpr float kRounding = 4e-6F;
+  std::optional<float> quantum;
+  const std::vector<int> kinks = ChangedColumns(image, 1, image.cols - 2, [&](const float* pixel) {
+    const float bend = std::abs(pixel[-1] - 2 * pixel[0] + pixel[1]);
+    const float rounding =
+        kRounding * (std::abs(pixel[-1]) + std::abs(pixel[0]) + std::abs(pixel[1]));
+    if (!(bend > rounding)) return false;  // also where there is no number
+    if (!quantum) quantum = QuantumOf(image);
+    return bend > 2.5F * *quantum + rounding;
+  });
+  return {.count = PartsOf(kinks, image.cols, kInterpolated), .interpolated = true};
+}
+
+// Where the pixel of the sensor lies, px.
+double MiddleOf(int column, int columns, int length) {
+  return (column + 0.5) * length / columns - 0.5;
+}
+
+// The columns of the sensor. Where the middle of an interpolated one lies between two pixels, the
+// line from its left leads there.
+cv::Mat1f Reduced(const cv::Mat1f& image, const Columns& columns) {
+  cv::Mat1f reduced(image.rows, columns.count);
+  for (int i = 0; i < columns.count; ++i) {
+    const double middle = MiddleOf(i, columns.count, image.cols);
+    const int x = static_cast<int>(columns.interpolated ? middle : middle + 0.5);
+    const float beyond = columns.interpolated ? static_cast<float>(middle - x) : 0;
+    for (int y = 0; y < image.rows; ++y) {
+      const float* pixel = image[y] + x;
+      reduced(y, i) = beyond > 0 ? pixel[0] + beyond * (pixel[0] - pixel[-1]) : pixel[0];
+    }
+  }
+  return reduced;
+}
+
+cv::Mat1f Transposed(const cv::Mat1f& image) {
+  cv::Mat1f transposed;
+  cv::transpose(image, transposed);
+  return transposed;
+}
+
+std::vector<int> PixelsOf(int columns, int length) {
+  std::vector<int> pixels;
+  for (int i = 0; i < columns; ++i) {
+    pixels.push_back(static_cast<int>(MiddleOf(i, columns, length) + 0.5));
+  }
+  return pixels;
+}
+
+}  // namespace
+
+void NativeRanges::ToEnlarged(Seed& seed) const {
+  if (seed.tof_u < 0) return;
+  seed.tof_u = static_cast<int16_t>(columns[static_cast<size_t>(seed.tof_u)]);
+  seed.tof_v = static_cast<int16_t>(rows[static_cast<size_t>(seed.tof_v)]);
+}
+
+std::optional<NativeRanges> FindNativeRanges(const TofImage& tof, const TofCamera& camera) {
+  const cv::Size size = tof.depth_m.size();
+  if (size.width < 2 * kFewest || size.height < 2 * kFewest) return std::nullopt;
+  const Columns columns = NativeColumns(tof.depth_m);
+  if (columns.count == 0) return std::nullopt;
+  const Columns rows = NativeColumns(Transposed(tof.depth_m));
+  if (rows.count == 0) return std::nullopt;
+  const auto reduced = [&](const cv::Mat1f& image) {
+    return image.empty() ? image : Transposed(Reduced(Transposed(Reduced(image, columns)), rows));
+  };
+  NativeRanges native{.tof = {.depth_m = reduced(tof.depth_m), .amplitude = reduced(tof.amplitude)},
+                      .camera = camera,
+                      .columns = PixelsOf(columns.count, size.width),
+                      .rows = PixelsOf(rows.count, size.height)};
+  const double scale_u = static_cast<double>(columns.count) / size.width;
+  const double scale_v = static_cast<double>(rows.count) / size.height;
+  native.camera.width = columns.count;
+  native.camera.height = rows.count;
+  native.camera.fx *= scale_u;
+  native.camera.fy *= scale_v;
+  native.camera.cx = (camera.cx + 0.5) * scale_u - 0.5;
+  native.camera.cy = (camera.cy + 0.5) * scale_v - 0.5;
+  return native;
+}
+
+}  // namespace sprout
