@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -90,15 +91,33 @@ void TemporalFilter::Reset() {
   now_.known = false;
 }
 
+// Whether neither the image nor the map has changed by one grey level or count since the last call,
+// which was no reset.
+bool TemporalFilter::IsAsLast(const TemporalInput& input) const {
+  const auto same = [](const cv::Mat& a, const cv::Mat& b) {
+    if (a.size() != b.size()) return false;
+    for (int y = 0; y < a.rows; ++y) {
+      if (std::memcmp(a.ptr(y), b.ptr(y), static_cast<size_t>(a.cols) * a.elemSize()) != 0) {
+        return false;
+      }
+    }
+    return true;
+  };
+  const MemoryReset reset = now_.motion.reset;
+  const bool has_gone_on = reset == MemoryReset::kNone || reset == MemoryReset::kFirst;
+  return now_.known && has_gone_on && now_.id.rig_id == input.id.rig_id &&
+         same(now_.left, input.left) && same(now_.measured, input.disparity.counts());
+}
+
 MemoryReset TemporalFilter::ReasonToForget(const TemporalInput& input) const {
   if (!before_.known) return MemoryReset::kFirst;
   if (before_.id.rig_id != input.id.rig_id || before_.left.size() != input.left.size()) {
     return MemoryReset::kOtherRig;
   }
-  if (input.id.seq <= before_.id.seq || input.id.utime <= before_.id.utime) {
+  if (input.id.seq <= last_id_.seq || input.id.utime <= last_id_.utime) {
     return MemoryReset::kBackwards;
   }
-  const double gap_s = static_cast<double>(input.id.utime - before_.id.utime) * 1e-6;
+  const double gap_s = static_cast<double>(input.id.utime - last_id_.utime) * 1e-6;
   return gap_s > config_.max_gap_s() ? MemoryReset::kGap : MemoryReset::kNone;
 }
 
@@ -106,10 +125,15 @@ TemporalOutput TemporalFilter::Compute(const TemporalInput& input) {
   assert(input.left.size() == input.pair.size() && input.disparity.size() == input.pair.size() &&
          input.confidence.size() == input.pair.size());
   // The frame of the last call again: from what was known before it.
-  if (!(now_.known && now_.id == input.id)) std::swap(before_, now_);
+  const bool is_last = now_.known && now_.id == input.id;
+  if (!is_last) {
+    last_id_ = now_.id;
+    if (!IsAsLast(input)) std::swap(before_, now_);
+  }
   now_.known = true;
   now_.id = input.id;
   now_.left = input.left;
+  now_.measured = input.disparity.counts();
   now_.odometry = input.odometry;
   FindMotionOf(input);
   Renew(now_.disparity, input.left.size());

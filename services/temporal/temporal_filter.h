@@ -19,8 +19,8 @@ namespace sprout::temporal {
 /// A frame of a video.
 struct TemporalInput {
   FrameId id;
-  cv::Mat1b left;  ///< grey; kept, so the caller must not change its pixels
-  DisparityImage disparity;
+  cv::Mat1b left;            ///< grey; kept, so the caller must not change its pixels
+  DisparityImage disparity;  ///< kept, too
   cv::Mat1b confidence;
   RectifiedPair pair;  ///< all of this size
   /// The left camera's pose in a fixed coordinate frame (start_from_left), used with motion:
@@ -44,7 +44,9 @@ class TemporalFilter {
   explicit TemporalFilter(const TemporalConfig& config);
 
   /// Where the motion is not known, the result is the input, and `motion.reset` says why. The frame
-  /// of the last call may come again, with the same result. About 10 ns a pixel.
+  /// of the last call may come again, with the same result; so may its image and map under other
+  /// numbers, as a camera that hangs sends them: what was measured once is counted once. About 10
+  /// ns a pixel.
   TemporalOutput Compute(const TemporalInput& input);
 
   /// Forgets all frames.
@@ -55,6 +57,7 @@ class TemporalFilter {
     bool known = false;
     FrameId id;
     cv::Mat1b left;
+    cv::Mat1s measured;  // the frame's own map
     ImagePyramid pyramid;
     cv::Mat1f disparity;  // px, or kNone
     cv::Mat1f variance;   // px²
@@ -63,6 +66,7 @@ class TemporalFilter {
     std::optional<CameraMotion> odometry;
   };
 
+  bool IsAsLast(const TemporalInput& input) const;
   MemoryReset ReasonToForget(const TemporalInput& input) const;
   void FindMotionOf(const TemporalInput& input);
   bool IsMotionUsable(const RectifiedPair& pair) const;
@@ -75,6 +79,7 @@ class TemporalFilter {
   ConfidenceScale scale_;
   PhotometricDoubt doubt_;
   State before_, now_;
+  FrameId last_id_;                         // of the frame that came before the newest
   cv::Mat1f cells_, differences_, growth_;  // memory
 };
 

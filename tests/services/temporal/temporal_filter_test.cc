@@ -125,6 +125,37 @@ TEST(TemporalFilter, GivesTheNewestFrameTheSameAnswerAgain) {
   }
 }
 
+// A camera that hangs: what is measured once is not surer when it comes again.
+TEST(TemporalFilter, IsNoSurerOfAFrozenPicture) {
+  TemporalFilter filter(Defaults());
+  TemporalFilter other(Defaults());
+  std::vector<TemporalInput> drive = Drive(5);
+  TemporalOutput moving, frozen;
+  for (int i = 0; i < 4; ++i) moving = filter.Compute(drive[static_cast<size_t>(i)]);
+  TemporalInput again = drive[3];
+  for (int i = 0; i < 20; ++i) {
+    ++again.id.seq;
+    again.id.utime += 100'000;
+    frozen = filter.Compute(again);
+    ASSERT_TRUE(IsSame(frozen.disparity.counts(), moving.disparity.counts())) << i;
+    ASSERT_TRUE(IsSame(frozen.confidence, moving.confidence)) << i;
+    ASSERT_EQ(frozen.motion.start_from_left, moving.motion.start_from_left) << i;
+    ASSERT_EQ(frozen.motion.resets, 0) << i;
+  }
+  // It goes on where it was.
+  drive[4].id.seq = again.id.seq + 1;
+  drive[4].id.utime = again.id.utime + 100'000;
+  EXPECT_EQ(filter.Compute(drive[4]).motion.resets, 0);
+  // One grey level is a new picture.
+  again.id = drive[3].id;
+  ++again.id.seq;
+  again.id.utime += 100'000;
+  again.left = again.left.clone();
+  again.left(0, 0) ^= 1;
+  for (int i = 0; i < 4; ++i) moving = other.Compute(drive[static_cast<size_t>(i)]);
+  EXPECT_GT(cv::mean(other.Compute(again).confidence)[0], cv::mean(moving.confidence)[0]);
+}
+
 TEST(TemporalFilter, BeginsAnewAfterReset) {
   TemporalFilter filter(Defaults());
   TemporalFilter fresh(Defaults());
@@ -133,7 +164,7 @@ TEST(TemporalFilter, BeginsAnewAfterReset) {
   filter.Compute(drive[1]);
   filter.Reset();
   for (size_t i = 2; i < 4; ++i) {
-    EXPECT_TRUE(IsSame(filter.Compute(drive[i]), fresh.Compute(drive[i])));
+    EXPECT_TRUE(IsSame(filter.Compute(drive[static_cast<size_t>(i)]), fresh.Compute(drive[i])));
   }
 }
 
@@ -233,7 +264,7 @@ TEST(TemporalFilter, RecoversFromACoveredLens) {
     drive[i].confidence.setTo(20);
   }
   for (size_t i = 0; i < 12; ++i) {
-    const TemporalOutput output = filter.Compute(drive[i]);
+    const TemporalOutput output = filter.Compute(drive[static_cast<size_t>(i)]);
     if (i < 7) continue;
     const MovingScene scene = SceneFrom(PoseAt(static_cast<int>(i)));
     const double single = ErrorOf(drive[i].disparity, scene);
