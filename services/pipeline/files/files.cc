@@ -22,6 +22,7 @@
 #include "common/core/printable.h"
 #include "common/inputs/check_inputs.h"
 #include "common/picture/write_image.h"
+#include "services/pipeline/files/doubt.h"
 #include "services/pipeline/files/write_results.h"
 #include "services/pipeline/pipeline.h"
 
@@ -128,18 +129,8 @@ struct Computed {
   std::string complaint;
 };
 
-// Ranges that are noise, hit nothing, or have another scale would spoil what the pair shows.
-bool AreRangesUseless(const inputs::Findings& findings) {
-  return std::ranges::any_of(findings, [](const inputs::Finding& finding) {
-    return finding.verdict == inputs::Verdict::kBad &&
-           (finding.question == inputs::Question::kHits ||
-            finding.question == inputs::Question::kScale);
-  });
-}
-
-// @param has_stereo  whether there is a map without ranges, too.
 Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline& pipeline,
-                             bool has_stereo) {
+                             const SproutConfig& config) {
   using Clock = std::chrono::steady_clock;
   try {
     Result<Frame> frame = reader.Read(pair);
@@ -148,13 +139,15 @@ Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline
     const inputs::Findings findings =
         inputs::CheckInputs(frame->left, frame->right, *frame->tof, *frame->rig);
     std::string complaint = BadText(findings);
-    if (has_stereo && !frame->tof->depth_m.empty() && AreRangesUseless(findings)) {
+    const bool has_map_without = config.refine().stereo_seeds();
+    if (has_map_without && !frame->tof->depth_m.empty() && AreRangesUseless(findings)) {
       frame->tof = TofImage();
       complaint += "; no range is believed";
     }
     Result<DepthFrame> depth =
         pipeline.Compute(frame->left, frame->right, *frame->tof, *frame->rig);
     if (!depth) return tl::unexpected(depth.error());
+    BoundConfidence(findings, config, *depth);
     const std::chrono::duration<double, std::milli> time = Clock::now() - begun;
     return Computed{*std::move(frame), *std::move(depth), time.count(), std::move(complaint)};
   } catch (const std::exception& e) {
@@ -167,18 +160,17 @@ class FilesRun {
  public:
   FilesRun(const FilesOptions& options, const SproutConfig& config)
       : options_(options),
-        input_(config.depth().input()),
+        config_(config),
         reader_(options.rig, options.pixels),
         found_(ListPairs(options.left, options.right, options.tof, options.max_spread_ms)),
-        pipeline_(config),
-        has_stereo_(config.refine().stereo_seeds()) {}
+        pipeline_(config) {}
 
   void Run(const std::stop_token& stop) {
     for (const std::string& note : found_.notes) Say(note);
     for (const ImagePair& pair : found_.pairs) {
       if (stop.stop_requested()) break;
       ShowProgress(pair, "computing");
-      Result<Computed> computed = ComputePair(reader_, pair, pipeline_, has_stereo_);
+      Result<Computed> computed = ComputePair(reader_, pair, pipeline_, config_);
       FinishWriting();
       if (const std::string note = reader_.TakeNote(); !note.empty()) {
         progress_.Clear();
@@ -226,7 +218,8 @@ class FilesRun {
     writing.written = std::async(
         std::launch::async, [this, folder, computed = std::move(computed)]() -> Result<void> {
           try {
-            return WriteResults(computed.frame, computed.depth, input_, options_.only, folder);
+            return WriteResults(computed.frame, computed.depth, config_.depth().input(),
+                                options_.only, folder);
           } catch (const std::exception& e) {
             return Fail(e.what());
           }
@@ -258,11 +251,10 @@ class FilesRun {
   }
 
   const FilesOptions& options_;
-  DepthConfig::Input input_;
+  const SproutConfig& config_;
   PairReader reader_;
   ImagePairs found_;
   Pipeline pipeline_;
-  bool has_stereo_;
   Progress progress_{/*quiet=*/false};
   size_t done_ = 0;
   size_t left_out_ = 0;

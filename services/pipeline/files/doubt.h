@@ -1,0 +1,26 @@
+#ifndef SPROUT_SERVICES_PIPELINE_FILES_DOUBT_H_
+#define SPROUT_SERVICES_PIPELINE_FILES_DOUBT_H_
+
+#include "common/config/config.h"
+#include "common/inputs/findings.h"
+#include "services/pipeline/pipeline.h"
+
+namespace sprout {
+
+/// Whether a finding is that ranges are noise, hit nothing, or have another scale: they would spoil
+/// what the pair shows.
+bool AreRangesUseless(const inputs::Findings& findings);
+
+/// Confidence and standard deviations for a pair that does not fit its calibration, which growth
+/// cannot know. A right camera that is turned, scaled or moved so that its rows are off by e px
+/// has columns that may be off as far: of disparities whose error is spread evenly up to e, 1 / e
+/// are right to 1 px, and its standard deviation is e / √3. Where the images do not show one scene,
+/// or left and right are not what they are said to be, no disparity is believed. What falls below
+/// grow { min_confidence } has no disparity any more, what falls below that of depth { } no depth.
+/// O(pixels).
+void BoundConfidence(const inputs::Findings& findings, const SproutConfig& config,
+                     DepthFrame& depth);
+
+}  // namespace sprout
+
+#endif  // SPROUT_SERVICES_PIPELINE_FILES_DOUBT_H_
