@@ -55,7 +55,9 @@ constexpr UnitRow kUnits[] = {
     {0.125, "are they in 1/8 mm, and read as mm? --tof-unit 1/8000"},
     {1.0 / 256, "are they in 1/256 m, and read as m? --tof-unit 1/256"},
     {1.0 / 5000, "are they in 1/5000 m, and read as m? --tof-unit 1/5000"},
-    {0.3048, "are they in feet, and read as m? --tof-unit 0.3048"},
+    {0.3048,
+     "are they in feet, and read as m (--tof-unit 0.3048), or in 1/1000 foot, and read as mm "
+     "(--tof-unit 0.0003048)?"},
 };
 constexpr char kOtherUnit[] = "do focal length and baseline belong to these images?";
 

@@ -12,15 +12,17 @@ namespace {
 
 constexpr double kMinShare = 0.005;  // that is more than 0 %
 
+// How many standard deviations of its own a knot is off.
+double SigmasOf(const RangeKnot& knot) { return std::abs(knot.error_m) / knot.sigma_m; }
+
 // Nearest, most and farthest of the knots whose error the images show; in a curve that is sure only
-// as a whole, the surest one.
+// as a whole, the surest of those that are off.
 std::vector<RangeKnot> ShownKnots(const std::vector<RangeKnot>& curve) {
   constexpr double kStandardDeviations = 3;
   std::vector<RangeKnot> sure;
-  std::ranges::copy_if(curve, std::back_inserter(sure), [](const RangeKnot& knot) {
-    return std::abs(knot.error_m) > kStandardDeviations * knot.sigma_m;
-  });
-  if (sure.empty()) return {*std::ranges::min_element(curve, {}, &RangeKnot::sigma_m)};
+  std::ranges::copy_if(curve, std::back_inserter(sure),
+                       [](const RangeKnot& knot) { return SigmasOf(knot) > kStandardDeviations; });
+  if (sure.empty()) return {*std::ranges::max_element(curve, {}, SigmasOf)};
   const auto most = std::ranges::max_element(
       sure, {}, [](const RangeKnot& knot) { return std::abs(knot.error_m); });
   std::vector<RangeKnot> shown = {sure.front()};
@@ -39,8 +41,10 @@ std::optional<std::string> RangeErrorText(const RangeError& error) {
     if (error.far_moved_share < kMinShare) return "";
     return "the range sensor is off as by multi-path: " + moved;
   }
+  const std::vector<RangeKnot> shown = ShownKnots(error.curve);
+  if (SigmasOf(shown.front()) < 1) return "the range sensor is off, at no depth for sure: " + moved;
   std::string knots;
-  for (const RangeKnot& knot : ShownKnots(error.curve)) {
+  for (const RangeKnot& knot : shown) {
     knots += fmt::format("{}{:+.1f} ± {:.1f} mm at {:.2f} m", knots.empty() ? "" : ", ",
                          1000 * knot.error_m, 1000 * knot.sigma_m, knot.depth_m);
   }

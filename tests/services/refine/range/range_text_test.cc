@@ -29,9 +29,14 @@ TEST(RangeText, SaysEachDepthOnceAndTheSurestIfNoneIsSure) {
   EXPECT_NE(two.find("by +10.2 ± 0.8 mm at 1.20 m, +5.0 ± 0.5 mm at 1.60 m; 100 %"),
             std::string::npos)
       << two;
-  error.curve = {{1.2, 0.002, 0.002}, {1.6, 0.002, 0.001}};
+  error.curve = {{1.2, 0.002, 0.002}, {1.6, 0.002, 0.001}, {2.0, 0, 0.0005}};
   const std::string one = RangeErrorText(error).value();
   EXPECT_NE(one.find("by +2.0 ± 1.0 mm at 1.60 m; 100 %"), std::string::npos) << one;
+  // Nothing to calibrate.
+  error.curve = {{1.2, 0.002, 0.003}, {1.6, 0, 0.001}};
+  EXPECT_EQ(RangeErrorText(error),
+            "the range sensor is off, at no depth for sure: 100 % of its points were moved by more "
+            "than 0.25 px");
 }
 
 TEST(RangeText, TellsNothingKnownFromNothingWrongAndFromWhatTheSceneAdds) {
