@@ -200,6 +200,15 @@ std::vector<std::string> BadOf(const inputs::Findings& findings) {
   return bad;
 }
 
+// Images that are blank, or not of one scene, say nothing of a calibration.
+bool AreImagesUseless(const inputs::Findings& findings) {
+  return std::ranges::any_of(findings, [](const inputs::Finding& finding) {
+    return finding.verdict == inputs::Verdict::kBad &&
+           (finding.question == inputs::Question::kBits ||
+            finding.question == inputs::Question::kScene);
+  });
+}
+
 }  // namespace
 
 int RunRefine(const RefineOptions& options) {
@@ -245,16 +254,17 @@ int RunCheck(const RefineOptions& options) {
     reasons = refined->reasons;
   }
   std::cout << fmt::format("{} frames: {}\n", refiner.views(),
-                           is_wrong      ? "has to be calibrated again"
-                           : cannot_tell ? "cannot tell"
-                                         : "good");
+                           AreImagesUseless(findings) ? "cannot tell: the images are wrong"
+                           : is_wrong                 ? "has to be calibrated again"
+                           : cannot_tell              ? "cannot tell"
+                                                      : "good");
   for (const std::string& reason : reasons) std::cout << "  * " << reason << "\n";
   if (refined) std::cout << SceneCheckText(*refined, pair);
   for (const inputs::Finding& finding : findings) {
     std::cout << fmt::format("{:<30} {}: {}\n", inputs::NameOf(finding.question),
                              inputs::NameOf(finding.verdict), finding.text);
   }
-  if (is_wrong && refined) {
+  if (is_wrong && refined && !AreImagesUseless(findings)) {
     std::cout << "to put it right without a board: " << RefineCommand(options) << "\n";
   }
   return reasons.empty() ? 0 : 1;

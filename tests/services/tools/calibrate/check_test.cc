@@ -134,6 +134,25 @@ TEST_F(CalibrateCheck, SaysWhenASceneDoesNotTell) {
   EXPECT_THAT(outcome.out, Not(HasSubstr("to put it right")));
 }
 
+// A covered lens is no matter of calibration.
+TEST_F(CalibrateCheck, CannotTellFromABlankImage) {
+  const RawRig rig = SceneRig({640, 480});
+  RigDescription description;
+  *description.mutable_calibration() = ToCalibration(rig);
+  ASSERT_TRUE(SaveRigFile(folder_ / "rig.textproto", description));
+  const Board board{BoardSize{}};
+  auto images = BoardScene(board, rig).Render(BoardPoses(board, 1)[0], 0);
+  images.right.setTo(100);
+  WriteImages(folder_ / ".", "0", images);
+  const MainOutcome outcome = RunCalibrate("check " + (folder_ / ".").string() + " --rig " +
+                                           (folder_ / "rig.textproto").string());
+
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("1 frames: cannot tell: the images are wrong\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("the right image is blank"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("to put it right")));
+}
+
 TEST_F(CalibrateCheck, NoticesRowsThatDoNotAgree) {
   const MainOutcome outcome = Check(WriteLog("synthetic:640x480?tof=none", 2, 2));
 
