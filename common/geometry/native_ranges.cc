@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "common/geometry/projection.h"
+
 namespace sprout {
 namespace {
 
@@ -163,19 +165,10 @@ std::optional<NativeRanges> FindNativeRanges(const TofImage& tof, const TofCamer
   const auto reduced = [&](const cv::Mat1f& image) {
     return image.empty() ? image : Transposed(Reduced(Transposed(Reduced(image, columns)), rows));
   };
-  NativeRanges native{.tof = {.depth_m = reduced(tof.depth_m), .amplitude = reduced(tof.amplitude)},
-                      .camera = camera,
+  return NativeRanges{.tof = {.depth_m = reduced(tof.depth_m), .amplitude = reduced(tof.amplitude)},
+                      .camera = Resized(camera, {columns.count, rows.count}),
                       .columns = PixelsOf(columns.count, size.width),
                       .rows = PixelsOf(rows.count, size.height)};
-  const double scale_u = static_cast<double>(columns.count) / size.width;
-  const double scale_v = static_cast<double>(rows.count) / size.height;
-  native.camera.width = columns.count;
-  native.camera.height = rows.count;
-  native.camera.fx *= scale_u;
-  native.camera.fy *= scale_v;
-  native.camera.cx = (camera.cx + 0.5) * scale_u - 0.5;
-  native.camera.cy = (camera.cy + 0.5) * scale_v - 0.5;
-  return native;
 }
 
 }  // namespace sprout

@@ -60,17 +60,26 @@ cv::Mat1f DepthSigmaMap(const RectifiedPair& pair, const DisparityImage& dispari
   return sigma_m;
 }
 
+TofCamera Resized(TofCamera camera, cv::Size size) {
+  const double scale_u = static_cast<double>(size.width) / camera.width;
+  const double scale_v = static_cast<double>(size.height) / camera.height;
+  camera.width = size.width;
+  camera.height = size.height;
+  camera.fx *= scale_u;
+  camera.fy *= scale_v;
+  camera.cx = (camera.cx + 0.5) * scale_u - 0.5;
+  camera.cy = (camera.cy + 0.5) * scale_v - 0.5;
+  return camera;
+}
+
 TofCamera TofOverLeft(const RectifiedPair& pair, cv::Size size) {
-  const double scale_u = static_cast<double>(size.width) / pair.width;
-  const double scale_v = static_cast<double>(size.height) / pair.height;
-  TofCamera tof;
-  tof.width = size.width;
-  tof.height = size.height;
-  tof.fx = pair.focal_px * scale_u;
-  tof.fy = pair.focal_px * scale_v;
-  tof.cx = (pair.cx + 0.5) * scale_u - 0.5;
-  tof.cy = (pair.cy + 0.5) * scale_v - 0.5;
-  return tof;
+  TofCamera left;
+  left.width = pair.width;
+  left.height = pair.height;
+  left.fx = left.fy = pair.focal_px;
+  left.cx = pair.cx;
+  left.cy = pair.cy;
+  return Resized(left, size);
 }
 
 Rig RigOfFrame(const Rig& rig, const TofImage& tof) {

@@ -33,6 +33,9 @@ cv::Mat1f DepthMap(const RectifiedPair& pair, const DisparityImage& disparity);
 cv::Mat1f DepthSigmaMap(const RectifiedPair& pair, const DisparityImage& disparity,
                         const cv::Mat1b& sigma);
 
+/// The same camera with images of `size`: the corners of both images coincide.
+TofCamera Resized(TofCamera camera, cv::Size size);
+
 /// A ToF camera of `size` in the left camera's place with its field of view: the corners of both
 /// images coincide. For range images that are registered to the left image already.
 TofCamera TofOverLeft(const RectifiedPair& pair, cv::Size size);

@@ -57,6 +57,13 @@ std::string_view NameOf(Verdict verdict) {
   return "cannot tell";
 }
 
+bool AnyIsBad(const Findings& findings, std::initializer_list<Question> questions) {
+  return std::ranges::any_of(findings, [&](const Finding& finding) {
+    return finding.verdict == Verdict::kBad &&
+           std::ranges::find(questions, finding.question) != questions.end();
+  });
+}
+
 std::string BadText(const Findings& findings) {
   std::string text;
   for (const Finding& finding : findings) {

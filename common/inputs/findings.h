@@ -1,6 +1,7 @@
 #ifndef SPROUT_COMMON_INPUTS_FINDINGS_H_
 #define SPROUT_COMMON_INPUTS_FINDINGS_H_
 
+#include <initializer_list>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -51,6 +52,9 @@ std::string_view UnitOf(Question question);
 
 /// One finding a question, in the order of the questions.
 using Findings = std::vector<Finding>;
+
+/// Whether the finding of one of these questions is bad.
+bool AnyIsBad(const Findings& findings, std::initializer_list<Question> questions);
 
 /// The lines of the bad findings, joined by "; "; empty when there is none.
 std::string BadText(const Findings& findings);

@@ -12,22 +12,16 @@
 namespace sprout {
 namespace {
 
-using inputs::Finding;
 using inputs::Question;
-using inputs::Verdict;
-
-bool IsBad(const Finding& finding, Question question) {
-  return finding.verdict == Verdict::kBad && finding.question == question;
-}
 
 // How far columns may be off, px; infinite: anywhere.
 double ColumnErrorPx(const inputs::Findings& findings) {
+  if (AnyIsBad(findings, {Question::kScene, Question::kSides})) {
+    return std::numeric_limits<double>::infinity();
+  }
   double error_px = 0;
-  for (const Finding& finding : findings) {
-    if (IsBad(finding, Question::kScene) || IsBad(finding, Question::kSides)) {
-      return std::numeric_limits<double>::infinity();
-    }
-    if (IsBad(finding, Question::kRows) || IsBad(finding, Question::kTime)) {
+  for (const inputs::Finding& finding : findings) {
+    if (inputs::AnyIsBad({finding}, {Question::kRows, Question::kTime})) {
       error_px = std::max(error_px, std::abs(finding.value));
     }
   }
@@ -48,12 +42,6 @@ void DropBelow(int least, const cv::Mat1b& confidence, DisparityImage& map) {
 }
 
 }  // namespace
-
-bool AreRangesUseless(const inputs::Findings& findings) {
-  return std::ranges::any_of(findings, [](const Finding& finding) {
-    return IsBad(finding, Question::kHits) || IsBad(finding, Question::kScale);
-  });
-}
 
 void BoundConfidence(const inputs::Findings& findings, const SproutConfig& config,
                      DepthFrame& depth) {

@@ -7,10 +7,6 @@
 
 namespace sprout {
 
-/// Whether a finding is that ranges are noise, hit nothing, or have another scale: they would spoil
-/// what the pair shows.
-bool AreRangesUseless(const inputs::Findings& findings);
-
 /// Confidence and standard deviations for a pair that does not fit its calibration, which growth
 /// cannot know. A right camera that is turned, scaled or moved so that its rows are off by e px
 /// has columns that may be off as far: of disparities whose error is spread evenly up to e, 1 / e

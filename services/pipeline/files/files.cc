@@ -139,8 +139,10 @@ Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline
     const inputs::Findings findings =
         inputs::CheckInputs(frame->left, frame->right, *frame->tof, *frame->rig);
     std::string complaint = BadText(findings);
+    // Ranges that are noise, hit nothing, or have another scale would spoil what the pair shows.
     const bool has_map_without = config.refine().stereo_seeds();
-    if (has_map_without && !frame->tof->depth_m.empty() && AreRangesUseless(findings)) {
+    if (has_map_without && !frame->tof->depth_m.empty() &&
+        AnyIsBad(findings, {inputs::Question::kHits, inputs::Question::kScale})) {
       frame->tof = TofImage();
       complaint += "; no range is believed";
     }

@@ -200,15 +200,6 @@ std::vector<std::string> BadOf(const inputs::Findings& findings) {
   return bad;
 }
 
-// Images that are blank, or not of one scene, say nothing of a calibration.
-bool AreImagesUseless(const inputs::Findings& findings) {
-  return std::ranges::any_of(findings, [](const inputs::Finding& finding) {
-    return finding.verdict == inputs::Verdict::kBad &&
-           (finding.question == inputs::Question::kBits ||
-            finding.question == inputs::Question::kScene);
-  });
-}
-
 }  // namespace
 
 int RunRefine(const RefineOptions& options) {
@@ -247,6 +238,8 @@ int RunCheck(const RefineOptions& options) {
   std::vector<std::string> reasons =
       refined ? ReasonsToCalibrate(*refined, findings, pair) : BadOf(findings);
   const bool is_wrong = !reasons.empty();
+  // Images that are blank, or not of one scene, say nothing of a calibration.
+  const bool are_useless = AnyIsBad(findings, {inputs::Question::kBits, inputs::Question::kScene});
   const bool cannot_tell = !is_wrong && !(refined && refined->is_good());
   if (!refined) {
     reasons.push_back(refined.error().text);
@@ -254,17 +247,17 @@ int RunCheck(const RefineOptions& options) {
     reasons = refined->reasons;
   }
   std::cout << fmt::format("{} frames: {}\n", refiner.views(),
-                           AreImagesUseless(findings) ? "cannot tell: the images are wrong"
-                           : is_wrong                 ? "has to be calibrated again"
-                           : cannot_tell              ? "cannot tell"
-                                                      : "good");
+                           are_useless   ? "cannot tell: the images are wrong"
+                           : is_wrong    ? "has to be calibrated again"
+                           : cannot_tell ? "cannot tell"
+                                         : "good");
   for (const std::string& reason : reasons) std::cout << "  * " << reason << "\n";
   if (refined) std::cout << SceneCheckText(*refined, pair);
   for (const inputs::Finding& finding : findings) {
     std::cout << fmt::format("{:<30} {}: {}\n", inputs::NameOf(finding.question),
                              inputs::NameOf(finding.verdict), finding.text);
   }
-  if (is_wrong && refined && !AreImagesUseless(findings)) {
+  if (is_wrong && refined && !are_useless) {
     std::cout << "to put it right without a board: " << RefineCommand(options) << "\n";
   }
   return reasons.empty() ? 0 : 1;
