@@ -70,7 +70,7 @@ struct SurfaceRules {
   /// at a mean of 100. Smaller differences say nothing.
   static constexpr double kNoise = 2e-4;
   /// Smallest side of the cells for looking up points, px. It affects time only.
-  static constexpr double kSmallestCellPx = 5;
+  static constexpr double kSmallestCellPx = 2;
   /// Most pieces of such a cell that hide others, the nearest ones: more than a sensor as fine as
   /// the images has.
   static constexpr size_t kMaxPieces = 32;
