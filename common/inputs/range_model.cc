@@ -315,7 +315,7 @@ Agreement BestMoved(const Comparison& comparison, std::span<const RangePixel> pi
 // The best of moves in the picture, from a few far apart to finer ones around the best of them.
 Agreement BestShifted(const Comparison& comparison, std::span<const RangePixel> pixels, int width) {
   Agreement best;
-  const auto look_around = [&](const cv::Point2d& from, double step_px) {
+  const auto look_around = [&](const cv::Point2d from, double step_px) {
     for (int direction = 0; direction < 8; ++direction) {
       const double angle = direction * CV_PI / 4;
       const cv::Point2d move_px = from + step_px * cv::Point2d(std::cos(angle), std::sin(angle));

@@ -130,9 +130,11 @@ std::string SizeComplaint(const Frame& frame, const Input& input) {
            std::to_string(frame.sigma.channels()) + " bytes a pixel: allowed is " + name + "'s " +
            SizeText(size) + ", in grey";
   }
-  if (confidence.empty() || confidence.size() == size) return "";
-  return "CONFIDENCE of " + SizeText(confidence.size()) + ": allowed is " + name + "'s " +
-         SizeText(size);
+  const bool fits = confidence.size() == size && confidence.type() == CV_8UC1;
+  if (confidence.empty() || fits) return "";
+  return "CONFIDENCE of " + SizeText(confidence.size()) + " and " +
+         std::to_string(confidence.channels()) + " bytes a pixel: allowed is " + name + "'s " +
+         SizeText(size) + ", in grey";
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #define SPROUT_SERVICES_DEPTH_VOXEL_FILTER_H_
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <unordered_set>
@@ -11,7 +12,8 @@ namespace sprout::depth {
 /// Remembers which cubes have a point; says so of one point after the other.
 class VoxelFilter {
  public:
-  explicit VoxelFilter(double side_m) : side_m_(side_m) {}
+  /// @param side_m  0: all points; less than a micrometre counts as one.
+  explicit VoxelFilter(double side_m) : side_m_(side_m > 0 ? std::max(side_m, 1e-6) : 0) {}
 
   bool IsFirst(const Eigen::Vector3d& point) {
     if (side_m_ == 0) return true;
@@ -27,7 +29,10 @@ class VoxelFilter {
   struct Hash {
     // Teschner et al., "Optimized Spatial Hashing", VMV 2003.
     size_t operator()(const Voxel& v) const {
-      return static_cast<size_t>(v.x * 73856093 ^ v.y * 19349663 ^ v.z * 83492791);
+      const auto part = [](int64_t index, uint64_t prime) {  // modulo 2^64
+        return static_cast<uint64_t>(index) * prime;
+      };
+      return part(v.x, 73856093) ^ part(v.y, 19349663) ^ part(v.z, 83492791);
     }
   };
 

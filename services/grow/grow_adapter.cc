@@ -35,6 +35,9 @@ GrowAdapter::Growth GrowAdapter::GrowFrom0(const Frame& frame) {
   growth.map = std::move(*grown);
   if (growth.seeds.empty()) {
     growth.degenerate = "no seeds to grow from";
+  } else if (frame.prior && prior.size() != left.size()) {
+    growth.degenerate = "a prior of " + SizeText(prior.size()) + ": allowed is the images' size " +
+                        SizeText(left.size());
   } else if (frame.prior && !prior.disparity.AnyValid()) {
     growth.degenerate = "the prior is empty";
   } else if (!growth.map.AnyValid()) {
@@ -53,7 +56,8 @@ ConfidenceEstimator::Judgement GrowAdapter::Judge(const Frame& frame, const Grow
   }
   const cv::Mat1b left = ToGrey(GreyestLeft(frame), left_grey_);
   const cv::Mat1b right = ToGrey(GreyestRight(frame), right_grey_);
-  const cv::Mat1b sigma_prior = frame.prior ? frame.prior->sigma : cv::Mat1b();
+  const bool has_prior = frame.prior && frame.prior->sigma.size() == filled.size();
+  const cv::Mat1b sigma_prior = has_prior ? frame.prior->sigma : cv::Mat1b();
   return confidence_.Compute({left, right, growth.seeds, sigma_prior, growth.map, filled});
 }
 

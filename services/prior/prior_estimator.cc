@@ -8,6 +8,7 @@
 #include "common/core/image.h"
 #include "common/core/median.h"
 #include "common/core/parallel.h"
+#include "common/geometry/widened_frame.h"
 #include "services/prior/edges/edge_surfaces.h"
 #include "services/prior/edges/outline.h"
 #include "services/prior/edges/seed_planes.h"
@@ -76,7 +77,8 @@ Result<PriorMap> PriorEstimator::Compute(const cv::Mat& left, const cv::Mat& rig
     return Fail("images of " + SizeText(left.size()) + " and " + SizeText(right.size()) +
                 ": allowed is the calibrated size " + SizeText(size));
   }
-  if (std::max(size.width, size.height) > kMaxSide) {
+  // Of far points with negative disparities the images were made wider.
+  if (size.width > kMaxSide + kMaxColumns || size.height > kMaxSide) {
     return Fail("a prior of " + SizeText(size) + ": allowed are up to " + std::to_string(kMaxSide) +
                 " pixels a side");
   }

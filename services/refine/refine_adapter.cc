@@ -127,6 +127,7 @@ bool RefineAdapter::HasPointsBelowZero(const Frame& frame, double share) {
 RefineAdapter::Refined RefineAdapter::RefineWhole(const Frame& frame) {
   // Some points and matches are wrong in every frame, and a longer search finds more wrong ones.
   constexpr double kMinShare = 0.01;
+  refiner_.SetColumns(0);  // also after a frame that ended with an exception
   const int columns = ColumnsBelowZero(frame.rig->pair);
   if (columns == 0 || frame.left.size() != frame.rig->pair.size()) return RefineFrom0(frame);
   if (columns > kMaxColumns) {

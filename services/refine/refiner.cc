@@ -97,7 +97,7 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
     if (dense) result.contradicted += unsure_.Drop(grid, noise_px_, stereo, result.seeds);
     result.seeds.insert(result.seeds.end(), stereo.begin(), stereo.end());
   }
-  if (!zones.views.empty()) FillFromZones(result, grid);
+  if (!zones.views.empty()) FillFromZones(result, grid, left.size());
   return result;
 }
 
@@ -176,7 +176,7 @@ bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const T
 }
 
 // What zones say of a place is no correspondence to grow from.
-void Refiner::FillFromZones(const SeedSet& result, const CellGrid& grid) {
+void Refiner::FillFromZones(const SeedSet& result, const CellGrid& grid, cv::Size image) {
   Join(result.seeds, left_seeds_.seeds, all_seeds_);
   all_points_.Set(all_seeds_, grid.size, grid.spacing_px);
   cv::Mat1b known(grid.size, uint8_t{0});
@@ -192,6 +192,7 @@ void Refiner::FillFromZones(const SeedSet& result, const CellGrid& grid) {
       const std::optional<ZoneSurface> surface = zones_.SurfaceAt({x, y});
       if (!surface || !IsNews(*surface, all_points_, {x, y})) continue;
       const cv::Point2d centre = grid.CentrePx({x, y});
+      if (!IsInside(centre.x, centre.y, image, 0)) continue;  // the last cells may reach beyond
       if (!(surface->disparity_px >= 0 && surface->disparity_px < kMaxSide)) continue;
       left_seeds_.seeds.push_back(
           {.u = static_cast<float>(centre.x),

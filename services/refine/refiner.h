@@ -107,7 +107,7 @@ class Refiner {
   void DropNoise();
   double NoisePx(const cv::Mat1b& left, const cv::Mat1b& right);
   std::span<const cv::Point2f> Covered(bool dense);
-  void FillFromZones(const SeedSet& result, const CellGrid& grid);
+  void FillFromZones(const SeedSet& result, const CellGrid& grid, cv::Size image);
   void KeepVisible(const cv::Mat1b& left, const cv::Mat1b& right, SeedSet& result);
 
   RefineConfig config_;

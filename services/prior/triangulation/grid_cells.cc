@@ -225,7 +225,10 @@ GridCells::Cut GridCells::CutOf(int x, int y, const PointsByCell& near) const {
     return one && other && near.IsEmpty(*one, corners) && near.IsEmpty(*other, corners);
   };
   if (cuts_c_off) return both_empty(abd, CircleThrough(a, d, c)) ? kFromAToD : kNotIntact;
-  return both_empty(CircleThrough(a, b, c), CircleThrough(b, d, c)) ? kFromBToC : kNotIntact;
+  const std::optional<Circle> abc = CircleThrough(a, b, c);
+  // If a, b, d are too flat to tell, c may lie outside their circle; then d lies inside this one.
+  if (!abd && abc && SideOf(*abc, d) != Side::kOutside) return kNotIntact;
+  return both_empty(abc, CircleThrough(b, d, c)) ? kFromBToC : kNotIntact;
 }
 
 GridCells::Cut GridCells::At(int x, int y) const {

@@ -70,8 +70,16 @@ class TrianglesBetween {
       if (cells.IsInside(place)) continue;
       outside.emplace_back(Kernel::Point_2(points[i].u, points[i].v), place);
     }
-    // Sorted along a space-filling curve.
-    delaunay_.insert(outside.begin(), outside.end());
+    // CGAL looks through all points of a line for each one that it adds: three that span a triangle
+    // come first, and where there are none nothing is to be found.
+    const auto third = ThirdOfTriangle(outside);
+    if (third != outside.end()) {
+      for (const auto& [point, place] : {outside[0], outside[1], *third}) {
+        delaunay_.insert(point)->info() = place;
+      }
+      // Sorted along a space-filling curve.
+      delaunay_.insert(outside.begin(), outside.end());
+    }
     if (delaunay_.dimension() == 2) FindFaces();
     SortByPlace(points.size());
   }
@@ -83,6 +91,16 @@ class TrianglesBetween {
   }
 
  private:
+  using Outside = std::vector<std::pair<Kernel::Point_2, int>>;
+
+  // The first point off the line through the first two, exactly.
+  static Outside::const_iterator ThirdOfTriangle(const Outside& outside) {
+    if (outside.size() < 3) return outside.end();
+    return std::find_if(outside.begin() + 2, outside.end(), [&](const auto& point) {
+      return !CGAL::collinear(outside[0].first, outside[1].first, point.first);
+    });
+  }
+
   // Starts at the border of the intact cells; CGAL's faces on the cells themselves are others.
   void FindFaces() {
     std::vector<Delaunay::Face_handle> found;

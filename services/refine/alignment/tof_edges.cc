@@ -29,7 +29,8 @@ struct TofEdgeFinder::Line {
   double infinity_px;  // disparity of a point at infinity
 
   double At(int i) const { return double{disparity[i * stride]}; }
-  double Light(int i) const { return double{amplitude[i * stride]}; }
+  // Not negative, whatever a sensor sends: (A2) would put the end anywhere.
+  double Light(int i) const { return std::max(0.0, double{amplitude[i * stride]}); }
   // Depth up to a factor; negative when there is none.
   double Depth(double disparity_px) const { return 1 / (disparity_px - infinity_px); }
 };

@@ -92,7 +92,7 @@ StereoSeedFinder::StereoSeedFinder(const RefineConfig& config) : config_(config)
 }
 
 double StereoSeedFinder::SpacingPx(int width) const {
-  if (config_.stereo_spacing_px() > 0) return config_.stereo_spacing_px();
+  if (config_.stereo_spacing_px() > 0) return std::max(1.0, config_.stereo_spacing_px());
   return std::max(StereoRules::kMinSpacingPx, width / double{StereoRules::kColumns});
 }
 

@@ -165,6 +165,11 @@ TofSurface::Plane TofSurface::PlaneOf(const ProjectedPoint& point, double tolera
       yd += down * off;
     }
   }
+  // A nearer point of its cell stands in for it, and nothing else lies on its surface.
+  if (n == 0) {
+    plane.disparity = double{here};
+    return plane;
+  }
   // Sums of squares and products with the means taken off.
   const double sxx = xx - x * x / n;
   const double syy = yy - y * y / n;

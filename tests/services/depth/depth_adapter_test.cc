@@ -264,6 +264,9 @@ TEST(DepthAdapter, SaysWhichSizesDoNotFitTogether) {
   frame = FrameOf(0);
   frame.confidence = cv::Mat(5, 8, CV_8UC1, cv::Scalar(0));
   EXPECT_THAT(adapter.Process(frame).degenerate, HasSubstr("CONFIDENCE of 8x5"));
+  frame.confidence = cv::Mat(6, 8, CV_8UC3, cv::Scalar());
+  EXPECT_THAT(adapter.Process(frame).degenerate,
+              HasSubstr("CONFIDENCE of 8x6 and 3 bytes a pixel"));
   frame = FrameOf(0);
   frame.rig->pair.width = 9;
   EXPECT_THAT(adapter.Process(frame).degenerate, HasSubstr("DISPARITY of 8x6"));

@@ -145,6 +145,18 @@ TEST(GrowAdapter, GoesOnAfterADegenerateFrame) {
             0);
 }
 
+TEST(GrowAdapter, SaysWhenThePriorHasAnotherSize) {
+  for (const auto similarity : {GrowConfig::EPC, GrowConfig::MNCC, GrowConfig::EXPSSD}) {
+    GrowConfig config;
+    config.set_similarity(similarity);
+    Frame frame = FlatFrame({64, 48});
+    frame.prior = EvenPrior(DisparityImage(cv::Mat1s({8, 8}, ToCounts(2))), 1);
+    const StageResult outcome = GrowAdapter(config).Process(frame);
+    EXPECT_THAT(outcome.degenerate, HasSubstr("of 8x8: allowed is the images' size 64x48"));
+    EXPECT_EQ(MapOf(outcome, Part::kDisparity).size(), cv::Size(64, 48));
+  }
+}
+
 TEST(GrowAdapter, SaysWhenTheImagesHaveTwoSizes) {
   Frame frame = FlatFrame({40, 30});
   frame.right = cv::Mat(8, 8, CV_8UC1, cv::Scalar(0));

@@ -216,6 +216,25 @@ TEST(Edges, SayWhyThereIsNoneAndGoOn) {
                       PriorBy(PriorConfig::EDGES, step, step.Seeds())));
 }
 
+TEST(PriorAdapter, TakesFarPointsWithNegativeDisparitiesInTheWidestImages) {
+  Frame frame;
+  frame.rig.emplace();
+  frame.rig->pair = {.width = 16384,
+                     .height = 4,
+                     .focal_px = 16000,
+                     .cx = 8192,
+                     .cy = 2,
+                     .cx_right = 8197,
+                     .baseline_m = 0.1};
+  frame.left = frame.right = cv::Mat(4, 16384, CV_8UC1, cv::Scalar(7));
+  frame.seeds =
+      SeedSet{.seeds = {SeedAt(9, 0, -5), SeedAt(16000, 0, -5), SeedAt(100, 3, -5)}, .raw = 3};
+  frame.left_seeds = SeedSet();
+  const StageResult outcome = PriorAdapter(Delaunay()).Process(frame);
+  EXPECT_EQ(outcome.degenerate, "");
+  EXPECT_GT(std::get<PriorMap>(outcome.outputs[0].value).disparity.CountValid(), 4 * 15000);
+}
+
 TEST(PriorAdapter, AnswersADegenerateFrameWithAnEmptyMap) {
   Frame frame;
   frame.rig.emplace();

@@ -88,6 +88,21 @@ TEST(TofEdgeFinder, ReadsTheEndOffAMixedPixelByTheLightOfBothSurfaces) {
   }
 }
 
+TEST(TofEdgeFinder, SurvivesNegativeAmplitudes) {
+  // Light of both signs that nearly cancels would put the end far outside the image.
+  TofImage tof = Strip(10, 20);
+  tof.amplitude = 1.F;
+  tof.amplitude.colRange(10, 20) = -1.F;
+  const double middle = (double{Depth(kNearPx)} + Depth(kFarPx)) / 2;
+  for (const double off_m : {-1e-3, -1e-4, 1e-4, 1e-3}) {
+    tof.depth_m.col(20) = static_cast<float>(middle + off_m);
+    for (const TofEdge& edge : Find(tof)) {
+      EXPECT_GE(edge.left.x(), 0);
+      EXPECT_LE(edge.left.x(), 400);
+    }
+  }
+}
+
 TEST(TofEdgeFinder, ASlantIsNoEdge) {
   TofImage tof = Strip(0, 0);
   for (int u = 0; u < 40; ++u) tof.depth_m.col(u) = Depth(20.0 + 1.5 * u);

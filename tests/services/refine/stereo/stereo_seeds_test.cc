@@ -304,6 +304,15 @@ TEST(StereoSeeds, OfWideAndLowImagesTakeLittleMemory) {
   }
 }
 
+TEST(StereoSeeds, AreAtMostOneAPixel) {
+  const Pair pair(Texture({200, 120}), [](int, int) { return 4; });
+  RefineConfig config = Config();
+  config.set_stereo_spacing_px(1);
+  const size_t count = Find(pair, config).size();
+  config.set_stereo_spacing_px(1e-9);
+  EXPECT_EQ(Find(pair, config).size(), count);
+}
+
 TEST(StereoSeeds, RefuseParametersOutOfRange) {
   RefineConfig config;
   config.set_stereo_most_pixels(10);
