@@ -123,13 +123,14 @@ DatagramJoiner::Pending* DatagramJoiner::FindOrStart(const Name& name, const Fra
          (!pending_.empty() && pending_bytes_ + fragment.message_bytes > kMaxPendingBytes)) {
     DropPending(pending_.front());
   }
-  pending_bytes_ += fragment.message_bytes;
-  return &pending_.emplace_back(
+  Pending& started = pending_.emplace_back(
       Pending{.name = name,
               .message = {.channel = {}, .bytes = NewBytes(fragment.message_bytes)},
               .message_bytes = fragment.message_bytes,
               .has = std::vector<bool>(fragment.count),
               .missing_bytes = fragment.message_bytes});
+  pending_bytes_ += fragment.message_bytes;  // behind what may throw
+  return &started;
 }
 
 void DatagramJoiner::DropPending(const Pending& pending) {

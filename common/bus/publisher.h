@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "common/bus/datagram_joiner.h"
 #include "common/bus/lcm_url.h"
 
 namespace sprout {
@@ -18,8 +19,9 @@ class Publisher {
   Publisher(const std::string& url, std::string prefix)
       : lcm_(OpenLcm(url)), prefix_(std::move(prefix)) {}
 
-  /// @returns false when LCM refused the message.
+  /// @returns false when LCM refused the message, or it is larger than anybody would take.
   [[nodiscard]] bool Publish(std::string_view channel, std::span<const uint8_t> bytes) {
+    if (bytes.size() > DatagramJoiner::kMaxMessageBytes) return false;
     const std::string name = prefix_ + std::string(channel);
     return lcm_publish(lcm_.get(), name.c_str(), bytes.data(),
                        static_cast<unsigned int>(bytes.size())) == 0;

@@ -309,7 +309,7 @@ Result<PackedBytes> Unpack(std::span<const uint8_t> packed, std::optional<cv::Si
   const std::span<const uint8_t> head = *frame;
   if (!layout || MethodOf(*layout) != fields->method ||
       FingerprintAt(head, 0) != fields->fingerprint || layout->width != fields->width ||
-      layout->height != fields->height ||
+      layout->height != fields->height || fields->header.size() > head.size() - 8 ||
       !std::ranges::equal(head.subspan(8, fields->header.size()), fields->header)) {
     return Fail("data: not the message that the other fields describe");
   }

@@ -56,7 +56,7 @@ void ReadJpeg(FileBytes& file, Header& header) {
   constexpr int kMaxSegments = 10'000;
   int64_t at = 2;
   for (int i = 0; i < kMaxSegments; ++i) {
-    while (file.Number(at, 2, false) == 0xffff) ++at;  // fill bytes
+    for (; i < kMaxSegments && file.Number(at, 2, false) == 0xffff; ++i) ++at;  // fill bytes
     const int64_t marker = file.Number(at, 2, false);
     const bool is_frame = marker >= 0xffc0 && marker <= 0xffcf && marker != 0xffc4 &&
                           marker != 0xffc8 && marker != 0xffcc;

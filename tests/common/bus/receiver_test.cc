@@ -134,6 +134,14 @@ TEST(Publisher, PutsThePrefixBeforeTheChannel) {
   EXPECT_TRUE(publishing.get());
 }
 
+TEST(Publisher, RefusesWhatNobodyWouldTake) {
+  FakeTcpqServer server;
+  auto connecting = std::async(std::launch::async, [&] { return Publisher(server.url(), ""); });
+  ASSERT_TRUE(server.Accept());
+  const std::vector<uint8_t> bytes(DatagramJoiner::kMaxMessageBytes + 1);
+  EXPECT_FALSE(connecting.get().Publish("SPROUT_LEFT", bytes));
+}
+
 TEST(Publisher, NeedsAConnection) { EXPECT_THROW(Publisher("nonsense", ""), BusError); }
 
 TEST(Publisher, SaysSoWhenTheServerIsGone) {

@@ -5,8 +5,10 @@
 
 #include <cmath>
 #include <lcmtypes/sprout/packed_t.hpp>
+#include <lcmtypes/sprout/point_cloud_t.hpp>
 #include <random>
 
+#include "common/messages/compressor.h"
 #include "tests/common/messages/examples.h"
 #include "tests/common/testing/allocation_guard.h"
 
@@ -198,6 +200,23 @@ TEST(PackedMessage, IsRefusedWhenItsFieldsDoNotFit) {
   packed_t message = good;
   message.data.resize(10);
   EXPECT_FALSE(Unpack(std::span(bytes).first(bytes.size() - 1)));
+}
+
+TEST(PackedMessage, IsRefusedWhenItsHeaderIsLongerThanTheMessage) {
+  point_cloud_t inner;
+  inner.header.rig_id = "a";
+  inner.count = 0;
+  const Bytes bytes = examples::Encode(inner);
+  packed_t outer;
+  outer.header = inner.header;
+  outer.header.rig_id = std::string(500, 'x');
+  outer.fingerprint = point_cloud_t::getHash();
+  outer.width = outer.height = 0;
+  outer.message_size = static_cast<int32_t>(bytes.size());
+  outer.method = packed_t::METHOD_DIFFERENCES;
+  outer.data = CompressZstd(bytes);
+  outer.size = static_cast<int32_t>(outer.data.size());
+  EXPECT_THAT(ErrorOf(outer), HasSubstr("not the message that the other fields describe"));
 }
 
 TEST(PackedMessage, SurvivesMutations) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
@@ -133,6 +134,14 @@ TEST_F(ReadImageFile, RefusesAJpegThatIsCut) {
     std::filesystem::resize_file(file, std::filesystem::file_size(file) + 500);  // by zeros
     EXPECT_THAT(ErrorOf(file), HasSubstr(error));
   }
+}
+
+TEST_F(ReadImageFile, IsSoonDoneWithAJpegOfFillBytes) {
+  using Clock = std::chrono::steady_clock;
+  std::ofstream(File("a.jpg"), std::ios::binary) << "\xff\xd8" << std::string(4'000'000, '\xff');
+  const auto begin = Clock::now();
+  EXPECT_NE(ErrorOf(File("a.jpg")), "no error");
+  EXPECT_LT(Clock::now() - begin, std::chrono::seconds(5));  // 20 and more if each were looked for
 }
 
 TEST_F(ReadImageFile, FindsTheEndOfAJpegBehindAThumbnailAndBeforeOtherBytes) {
