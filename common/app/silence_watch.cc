@@ -17,7 +17,7 @@ constexpr std::chrono::milliseconds kSurveyTime{1200};
 // Channels that are named; anybody can invent more.
 constexpr size_t kMaxNamed = 20;
 
-MessageCounts Survey(const std::string& url) {
+MessageCounts Survey(const std::string& url, const std::stop_token& stop) {
   std::mutex mutex;
   MessageCounts counts;
   const auto count = [&](std::string_view channel) {
@@ -31,7 +31,7 @@ MessageCounts Survey(const std::string& url) {
     const Receiver receiver(
         url, "", {Receiver::kAllChannels}, [](std::string_view, std::span<const uint8_t>) {}, count,
         /*max_queued_bytes=*/0);
-    std::this_thread::sleep_for(kSurveyTime);
+    SleepFor(kSurveyTime, stop);
   }
   return counts;
 }
@@ -117,16 +117,16 @@ void SilenceWatch::Watch(const std::stop_token& stop) {
       if (warned_ || Clock::now() - last_frame_ < patience_) continue;
       warned_ = true;
     }
-    Warn();
+    Warn(stop);
   }
 }
 
-void SilenceWatch::Warn() {
+void SilenceWatch::Warn(const std::stop_token& stop) {
   MessageCounts present;
   std::string text;
   try {
-    present = Survey(url_);
-  } catch (const BusError& e) {
+    present = Survey(url_, stop);
+  } catch (const std::exception& e) {  // also of a machine without memory or threads left
     text = std::string("no whole frame, and nothing can be heard: ") + e.what();
   }
   const std::lock_guard lock(mutex_);

@@ -49,7 +49,7 @@ class SilenceWatch {
   using Clock = std::chrono::steady_clock;
 
   void Watch(const std::stop_token& stop);
-  void Warn();
+  void Warn(const std::stop_token& stop);
 
   std::string url_;
   std::vector<std::string> needed_;  // with prefix

@@ -154,8 +154,16 @@ bool StatusBoard::Add(const StageStatus& message, Clock::time_point now) {
     return true;
   }
   if (heard_.size() == kMaxProcesses) {
-    ++bad_;
-    return false;
+    // One that has ended makes room: stages may start again and again.
+    const auto ended = std::ranges::find_if(heard_, [&](const auto& entry) {
+      return entry.second.newest.state == StageStatus::State::kStopped ||
+             now - entry.second.when > kStaleAfter;
+    });
+    if (ended == heard_.end()) {
+      ++bad_;
+      return false;
+    }
+    heard_.erase(ended);
   }
   heard_.emplace(
       process,

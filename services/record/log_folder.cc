@@ -41,18 +41,20 @@ namespace fs = std::filesystem;
 constexpr std::string_view kNameBegin = "record_";
 constexpr std::string_view kNameEnd = ".lcm";
 
-/// Bytes of all files in a folder and below it.
-int64_t BytesIn(const fs::path& folder) {
+/// Bytes of all files in a folder and below it. Others may delete meanwhile, and keep folders to
+/// themselves: what cannot be read below it does not count.
+int64_t BytesIn(const fs::path& folder, bool is_below = false) {
   int64_t bytes = 0;
   std::error_code error;
-  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
-    std::error_code gone;  // others may delete meanwhile
-    const bool regular = fs::is_regular_file(entry->symlink_status(gone));
-    const auto size = regular ? entry->file_size(gone) : 0;
+    std::error_code gone;
+    const fs::file_status status = entry->symlink_status(gone);
+    if (fs::is_directory(status)) bytes += BytesIn(entry->path(), /*is_below=*/true);
+    const auto size = fs::is_regular_file(status) ? entry->file_size(gone) : 0;
     if (!gone) bytes += static_cast<int64_t>(size);
   }
-  if (error) throw LogError(folder, "cannot be read (" + error.message() + ")");
+  if (error && !is_below) throw LogError(folder, "cannot be read (" + error.message() + ")");
   return bytes;
 }
 

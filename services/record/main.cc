@@ -140,7 +140,8 @@ int Record(const ServiceContext& context, const RecordingOptions& options,
       recording.PutStatus();
       next_status += std::chrono::seconds(1);
     }
-    if (context.stop.stop_requested()) TakeTimeToFinish(recording);
+    // A stop may also come while it finishes.
+    const std::stop_callback more_time(context.stop, [&] { TakeTimeToFinish(recording); });
     recording.Finish();
   }
   const bool whole = recording.IsWhole();

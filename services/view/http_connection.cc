@@ -104,7 +104,11 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     }
     auto response = std::make_shared<http::response<http::file_body>>();
     beast::file_posix file;
-    file.native_handle(reply.file->OpenForReading());
+    try {
+      file.native_handle(reply.file->OpenForReading());
+    } catch (const std::exception& e) {  // as without a descriptor left
+      return Write({.status = 500, .body = e.what() + std::string("\n")});
+    }
     beast::error_code error;
     response->body().reset(std::move(file), error);
     if (error) return Close();

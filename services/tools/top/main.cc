@@ -73,7 +73,7 @@ int Watch(const ServiceContext& context, const Options& options) {
   do {
     Show(listener, options, screen);
     if (options.once) break;
-  } while (SleepFor(std::chrono::seconds(1), context.stop));
+  } while (std::cout && SleepFor(std::chrono::seconds(1), context.stop));
   return IsWhole(listener.Rows()) ? 0 : 1;
 }
 

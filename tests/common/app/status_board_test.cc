@@ -153,6 +153,21 @@ TEST_F(StatusBoardTest, KeepsNoMoreThan64Processes) {
   EXPECT_EQ(board_.bad(), 1);
 }
 
+TEST_F(StatusBoardTest, MakesRoomForAStageThatIsStartedAgainAndAgain) {
+  StageStatus stopped = Status("grow", 0);
+  stopped.state = StageStatus::State::kStopped;
+  EXPECT_TRUE(board_.Add(stopped, start_));
+  for (int pid = 1; pid < 64; ++pid) EXPECT_TRUE(board_.Add(Status("grow", pid), start_));
+  EXPECT_TRUE(board_.Add(Status("grow", 64), start_)) << "in place of the stopped one";
+  const auto later = std::chrono::minutes(1);
+  for (int pid = 100; pid < 110; ++pid) {
+    EXPECT_TRUE(board_.Add(Status("grow", pid), start_ + later)) << "in place of a silent one";
+  }
+  EXPECT_TRUE(board_.Add(Status("capture"), start_ + later));
+  EXPECT_EQ(board_.bad(), 0);
+  EXPECT_EQ(Seen(later).front(), "capture good");
+}
+
 TEST_F(StatusBoardTest, IsWrittenForPeopleAndForScripts) {
   StageStatus status = Status("grow", 77);
   status.newest_frame.seq = 412;

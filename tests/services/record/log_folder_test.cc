@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <limits>
@@ -117,6 +118,27 @@ TEST(LogFolder, StopsAtTheQuotaAndDeletesNothing) {
   logs.Close();
   EXPECT_THAT(ReadLog(Logs(folder / "")[0]).seconds, ElementsAre(1, 2, 99));
   EXPECT_TRUE(fs::exists(folder / "notes.txt"));
+}
+
+TEST(LogFolder, LeavesFoldersThatItMayNotReadOutOfTheQuota) {
+  // Of an ext4 disk's root lost+found is such a folder. Root may read everything.
+  const TemporaryDirectory folder;
+  fs::create_directory(folder / "lost+found");
+  std::ofstream(folder / "lost+found/a") << std::string(5000, 'x');
+  fs::permissions(folder / "lost+found", fs::perms::none);
+  fs::permissions(folder / "", fs::perms::all);
+  constexpr uid_t kNobody = 65534;
+  const bool is_root = geteuid() == 0;
+  ASSERT_EQ(is_root ? seteuid(kNobody) : 0, 0);
+  const std::string failure = FailureOf([&] {
+    LogFolder logs({.folder = folder / "", .max_file_bytes = kPlenty, .quota_bytes = 1500},
+                   LastWords);
+    logs.Write(MakeRecorded(1, 400));
+    logs.Close();
+  });
+  ASSERT_EQ(is_root ? seteuid(0) : 0, 0);
+  fs::permissions(folder / "lost+found", fs::perms::all);
+  EXPECT_EQ(failure, "");
 }
 
 TEST(LogFolder, DeletesItsOwnOldestOnDemand) {
