@@ -41,6 +41,7 @@ class LogFeed : public CaptureFeed {
     std::optional<CaptureMessages> next = Read();
     if (!next && loop_) {
       Rewind();
+      ++rounds_;
       next = Read();
     }
     return next;
@@ -49,6 +50,9 @@ class LogFeed : public CaptureFeed {
   std::vector<uint8_t> Calibration() const override { return calibration_; }
 
   Timing timing() const override { return Timing::kRecorded; }
+
+  /// How often the log has begun again.
+  int64_t rounds() const { return rounds_; }
 
  private:
   // Recorded once a second only, so the first frames of a log may come before it.
@@ -87,6 +91,10 @@ class LogFeed : public CaptureFeed {
   }
 
   void Rewind() {
+    if (frames_) {
+      incomplete_ += frames_->joiner().incomplete();
+      sequence_gaps_ += frames_->joiner().sequence_gaps();
+    }
     frames_.emplace(path_, prefix_, captured_, [this](const LogEvent& event, const auto& why) {
       monitor_.BadMessage(event.channel, why);
     });
@@ -96,7 +104,8 @@ class LogFeed : public CaptureFeed {
 
   std::optional<CaptureMessages> Read() {
     const std::optional<WholeFrame> next = frames_->Next();
-    monitor_.SetJoinerCounts(frames_->joiner().incomplete(), frames_->joiner().sequence_gaps());
+    monitor_.SetJoinerCounts(incomplete_ + frames_->joiner().incomplete(),
+                             sequence_gaps_ + frames_->joiner().sequence_gaps());
     if (calibrated_ && rig_ != frames_->newest_rig()) {
       rig_ = frames_->newest_rig();
       calibration_ = Bytes(*rig_);
@@ -144,17 +153,22 @@ class LogFeed : public CaptureFeed {
   std::optional<int64_t> rig_;        // where it stands
   bool calibration_is_new_ = false;
   std::optional<WholeFrames> frames_;
+  int64_t incomplete_ = 0;  // of the rounds before
+  int64_t sequence_gaps_ = 0;
   std::optional<CaptureMessages> first_;
+  int64_t rounds_ = 0;
 };
 
 class RawLogFeed : public CaptureFeed {
  public:
-  RawLogFeed(std::unique_ptr<CaptureFeed> log, std::shared_ptr<CurrentRig> rig,
-             StageMonitor& monitor)
+  RawLogFeed(std::unique_ptr<LogFeed> log, std::shared_ptr<CurrentRig> rig, StageMonitor& monitor)
       : log_(std::move(log)), current_(std::move(rig)), used_(current_->Get()), monitor_(monitor) {}
 
   std::optional<CaptureMessages> Next(const std::stop_token& stop) override {
-    while (const std::optional<CaptureMessages> raw = log_->Next(stop)) {
+    while (!stop.stop_requested()) {
+      const std::optional<CaptureMessages> raw = log_->Next(stop);
+      // The end, or a whole round without a frame that could be given.
+      if (!raw || log_->rounds() > round_ + 1) return std::nullopt;
       const RigInUsePtr rig = current_->Get();
       Result<scenes::CapturedFrame> frame = RectifyFrame(rig->rectifier, Decoded(*raw));
       newest_ = {raw->id.utime, raw->id.seq, rig->rig_id};
@@ -162,6 +176,7 @@ class RawLogFeed : public CaptureFeed {
         monitor_.FrameFailed(newest_, frame.error().text);
         continue;
       }
+      round_ = log_->rounds();
       const bool is_new = rig != std::exchange(used_, rig);
       CaptureMessages messages = Encoded(newest_, *frame);
       return is_new ? BehindCalibration(Calibration(), std::move(messages)) : messages;
@@ -191,15 +206,16 @@ class RawLogFeed : public CaptureFeed {
     return frame;
   }
 
-  std::unique_ptr<CaptureFeed> log_;
+  std::unique_ptr<LogFeed> log_;
   std::shared_ptr<CurrentRig> current_;
   RigInUsePtr used_;  // for the newest frame that was sent
   StageMonitor& monitor_;
   FrameId newest_;
+  int64_t round_ = 0;  // of the log, in which a frame was given last
 };
 
-std::unique_ptr<CaptureFeed> Open(const std::string& path, const std::string& prefix,
-                                  bool calibrated, bool loop, StageMonitor& monitor) {
+std::unique_ptr<LogFeed> Open(const std::string& path, const std::string& prefix, bool calibrated,
+                              bool loop, StageMonitor& monitor) {
   try {
     return std::make_unique<LogFeed>(path, prefix, calibrated, loop, monitor);
   } catch (const LogError& e) {

@@ -34,9 +34,13 @@ class SourceFeed : public CaptureFeed {
     }
     Tell({.count = frame->lost, .trouble = frame->trouble});
     if (source_->is_live()) monitor_.SetSpread(frame->spread_ms);
-    SayClockSetBack(frame->utime);
-    // Captures are told apart by their time even when the clock is set back.
-    newest_.utime = std::max(frame->utime.value_or(NowUtime()), newest_.utime + 1);
+    const int64_t utime = frame->utime.value_or(NowUtime());
+    const int64_t set_back_us = std::exchange(sources_utime_, utime) - utime;
+    if (source_->is_live() && frame->utime) SayClockSetBack(set_back_us);
+    // A recording that begins again has its own times again, and its pace. Other captures are told
+    // apart by their time even when the clock is set back.
+    const bool begins_again = source_->is_recorded() && set_back_us > 0;
+    newest_.utime = begins_again ? utime : std::max(utime, newest_.utime + 1);
     ++newest_.seq;
     if (!config_.left_in_colour()) frame->left = ToGrey(frame->left);
     frame->right = ToGrey(frame->right);
@@ -65,15 +69,13 @@ class SourceFeed : public CaptureFeed {
     if (lost.count == 0 && !lost.trouble.empty()) monitor_.Failure(lost.trouble);
   }
 
-  // Warns if the clock of live cameras was set back. A recording may begin again.
-  void SayClockSetBack(std::optional<int64_t> utime) {
-    if (!source_->is_live() || !utime) return;
-    const int64_t before = std::exchange(cameras_utime_, *utime);
-    if (*utime >= before || !clock_log_.Pass(StageMonitor::Clock::now())) return;
+  // Warns if the clock of live cameras was set back.
+  void SayClockSetBack(int64_t set_back_us) {
+    if (set_back_us <= 0 || !clock_log_.Pass(StageMonitor::Clock::now())) return;
     monitor_.Warn(
         fmt::format("the cameras' clock was set back by {:.3f} s: until it is there again, "
                     "frames are stamped 1 µs apart",
-                    static_cast<double>(before - *utime) * 1e-6));
+                    static_cast<double>(set_back_us) * 1e-6));
   }
 
   std::unique_ptr<scenes::TripletSource> source_;
@@ -82,7 +84,7 @@ class SourceFeed : public CaptureFeed {
   CaptureConfig config_;
   StageMonitor& monitor_;
   FrameId newest_;
-  int64_t cameras_utime_ = 0;  // of the newest frame, by the cameras
+  int64_t sources_utime_ = 0;  // of the newest frame, by the source
   LogLimiter clock_log_;
 };
 

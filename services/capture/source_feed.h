@@ -19,7 +19,7 @@ CaptureMessages BehindCalibration(std::vector<uint8_t> calibration, CaptureMessa
 
 /// Frames of a source, numbered from 0 and stamped with their time of exposure, or, when the source
 /// has no clock, with the time at which they are taken: the only place where a clock enters a
-/// payload. Times of frames increase, whatever the clock does.
+/// payload. Times of frames increase, whatever the clock does, until a recording begins again.
 /// @param rig  what the source rectifies with; null when its frames come rectified.
 std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<scenes::FrameSource> source,
                                       const CaptureConfig& config, StageMonitor& monitor,

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/app/log.h"
 #include "common/config/config_error.h"
 #include "common/core/image.h"
 #include "common/core/number_text.h"
@@ -159,12 +160,15 @@ class VideoSource : public RawSource {
         return frame;
       }
       if (is_live_) {
-        trouble = settings_.places.front() + ": no picture, opened again";
+        if (trouble.empty()) {
+          LogLine(LogLevel::kWarning, "{}: no picture, is opened again every second", silent_);
+        }
+        trouble = silent_ + ": no picture, opened again";
         SleepFor(kRetryPeriod, stop);
       } else if (!settings_.loop || std::exchange(opened_again, true)) {
         return std::nullopt;
       }
-      Open();
+      if (std::optional<std::string> refused = Open()) silent_ = *std::move(refused);
     }
     return std::nullopt;
   }
@@ -192,7 +196,10 @@ class VideoSource : public RawSource {
     for (const std::string& place : places) {
       std::unique_ptr<Pictures> opened =
           IsList(place) ? OpenImages(ImageList(place)) : OpenVideoPictures(place, settings_.device);
-      if (!opened) return place;
+      if (!opened) {
+        videos_.clear();  // one of two alone would be taken for both views in one picture
+        return place;
+      }
       videos_.push_back(std::move(opened));
     }
     if (videos_.size() != 2 || is_live_) return std::nullopt;
@@ -245,13 +252,18 @@ class VideoSource : public RawSource {
 
   // Takes both pictures before it decodes either, so that they are of one time.
   std::optional<scenes::CapturedFrame> GrabTogether() {
-    for (const auto& video : videos_) {
-      if (!video->Grab()) return std::nullopt;
+    if (videos_.empty()) return std::nullopt;  // lost, and not there again yet
+    const auto is_silent = [&](size_t i) {
+      silent_ = settings_.places[i];
+      return std::nullopt;
+    };
+    for (size_t i = 0; i < videos_.size(); ++i) {
+      if (!videos_[i]->Grab()) return is_silent(i);
     }
     std::vector<CameraImage> pictures;
-    for (const auto& video : videos_) {
-      pictures.push_back(video->Retrieve());
-      if (pictures.back().pixels.empty()) return std::nullopt;
+    for (size_t i = 0; i < videos_.size(); ++i) {
+      pictures.push_back(videos_[i]->Retrieve());
+      if (pictures.back().pixels.empty()) return is_silent(i);
     }
     eight_bits_.Convert({&pictures.front(), &pictures.back()});
     if (std::string note = eight_bits_.TakeNote(); !note.empty()) trouble_ = std::move(note);
@@ -289,6 +301,7 @@ class VideoSource : public RawSource {
   EightBits eight_bits_;
   std::vector<std::unique_ptr<Pictures>> videos_;
   std::optional<VideoJoiner> joiner_;  // of two videos, instead
+  std::string silent_;                 // place that gave no picture, or could not be opened again
   int64_t lost_ = 0;                   // since the last frame
   std::string trouble_;
 };

@@ -17,6 +17,9 @@ Eigen::Quaterniond TurnOf(const RosCamera& left) {
 // How much older a frame may be that comes behind the CameraInfo of a later one, µs.
 constexpr int64_t kMaxOvertakenUs = 1'000'000;
 
+// Most frames of /tf whose poses are kept: trackers give what they see ever new names.
+constexpr size_t kMaxPoses = 10'000;
+
 // Whether rigs are equal but for the rounding of a pose that is made of others: /tf comes often.
 bool AreEqual(const RosRig& a, RosRig b) {
   constexpr double kRounding = 1e-7;  // m and rad
@@ -57,7 +60,10 @@ Result<bool> RosCalibration::TakeTransforms(const RosBytes& message) {
   if (!transforms) return tl::unexpected(transforms.error());
   Result<std::vector<RosPose>> poses = FromRosTransforms(**transforms);
   if (!poses) return tl::unexpected(poses.error());
-  for (RosPose& pose : *poses) poses_.insert_or_assign(pose.child, std::move(pose));
+  for (RosPose& pose : *poses) {
+    if (poses_.size() == kMaxPoses && !poses_.contains(pose.child)) continue;
+    poses_.insert_or_assign(pose.child, std::move(pose));
+  }
   return true;
 }
 

@@ -159,6 +159,15 @@ TEST_F(LogFeedTest, StartsAgainAtTheEndOnDemand) {
   for (const int64_t seq : {0, 1, 0, 1, 0}) EXPECT_EQ(feed->Next({})->id, TestId(seq));
 }
 
+TEST_F(LogFeedTest, CountsWhatWasLostInEveryRound) {
+  const auto feed =
+      Open(Concat({{RigEvent(0)}, FrameEvents(0), {LeftEvent(1, 50)}, FrameEvents(2)}),
+           /*loop=*/true);
+  for (const int64_t seq : {0, 2, 0, 2, 0, 2}) EXPECT_EQ(feed->Next({})->id, TestId(seq));
+  EXPECT_EQ(feed->Next({})->id, TestId(0));
+  EXPECT_EQ(monitor_.Snapshot().frames_incomplete, 3);
+}
+
 TEST_F(LogFeedTest, ReadsChannelsWithAPrefixWhenToldTo) {
   const auto events =
       Concat({{RigEvent(0, "A_"), RigEvent(9)}, FrameEvents(0), FrameEvents(1, "A_")});

@@ -285,9 +285,10 @@ class RawLogTest : public VideoTest {
     return EventOf(seq, part, value, 10, "RAW_" + std::string(ChannelOf(part)));
   }
 
-  std::unique_ptr<CaptureFeed> Open(const std::vector<TestEvent>& events) {
+  std::unique_ptr<CaptureFeed> Open(const std::vector<TestEvent>& events, bool loop = false) {
     WriteLog(Path("raw.lcm"), events);
-    return OpenCaptureFeed(Config("log:" + Path("raw.lcm") + "?rig=" + rig_), {}, monitor_);
+    return OpenCaptureFeed(Config("log:" + Path("raw.lcm") + "?rig=" + rig_), {.loop = loop},
+                           monitor_);
   }
 
   std::vector<TestEvent> Frame(int64_t seq, cv::Size right = {640, 480}) const {
@@ -363,6 +364,16 @@ TEST_F(RawLogTest, CountsFramesOfAnotherSize) {
   EXPECT_EQ(feed->Next({})->id.seq, 1);
   EXPECT_EQ(monitor_.Snapshot().frames_failed, 1);
   EXPECT_THAT(monitor_.Snapshot().last_error, HasSubstr("right image of 64x48"));
+}
+
+TEST_F(RawLogTest, EndsAfterARoundWithoutAnyFrameThatFits) {
+  const auto none = Open(Frame(0, {64, 48}), /*loop=*/true);
+  EXPECT_FALSE(none->Next({}));
+
+  std::vector<TestEvent> events = Frame(1);
+  for (const TestEvent& event : Frame(2, {64, 48})) events.push_back(event);
+  const auto some = Open(events, /*loop=*/true);
+  for (int round = 0; round < 4; ++round) EXPECT_EQ(some->Next({})->id.seq, 1) << round;
 }
 
 }  // namespace

@@ -98,11 +98,15 @@ TEST_F(SourceFeed, NamesItsCalibrationByTheNewestFrame) {
   EXPECT_EQ(id_of(feed->Calibration()), second);
 }
 
-// A camera that stamps its frames, and loses some.
+// A camera that stamps its frames, and loses some; or a recording of it.
 class Camera : public scenes::FrameSource {
  public:
+  explicit Camera(bool is_live, std::deque<int64_t> times = {5000, 4000, 9000})
+      : is_live_(is_live), times_(std::move(times)) {}
+
   const Rig& rig() const override { return rig_; }
-  bool is_live() const override { return true; }
+  bool is_live() const override { return is_live_; }
+  bool is_recorded() const override { return !is_live_; }
   std::optional<scenes::CapturedFrame> Next(const std::stop_token& /*stop*/) override {
     scenes::CapturedFrame frame;
     frame.left = cv::Mat(2, 3, CV_8UC1, cv::Scalar(1));
@@ -116,17 +120,31 @@ class Camera : public scenes::FrameSource {
 
  private:
   Rig rig_ = examples::Rig();
-  std::deque<int64_t> times_{5000, 4000, 9000};
+  bool is_live_;
+  std::deque<int64_t> times_;
 };
 
 TEST_F(SourceFeed, StampsFramesWithTheTimeOfTheirExposureAndCountsWhatWasLost) {
-  const auto feed = FeedFrom(std::make_unique<Camera>(), CaptureConfig(), monitor_);
+  const auto feed = FeedFrom(std::make_unique<Camera>(true), CaptureConfig(), monitor_);
   EXPECT_EQ(feed->timing(), Timing::kLive);
   EXPECT_EQ(feed->Next({})->id.utime, 5000);
   EXPECT_EQ(feed->Next({})->id.utime, 5001) << "clock set back";
   EXPECT_EQ(feed->Next({})->id.utime, 9000);
   EXPECT_EQ(monitor_.Snapshot().frames_failed, 6);
   EXPECT_THAT(monitor_.Snapshot().last_error, ::testing::HasSubstr("packets lost"));
+}
+
+TEST_F(SourceFeed, GivesARecordingThatBeginsAgainItsOwnTimesAgain) {
+  const std::deque<int64_t> times = {5000, 7000, 7000, 8000, 5000, 7000, 7000};
+  const auto feed = FeedFrom(std::make_unique<Camera>(false, times), CaptureConfig(), monitor_);
+  EXPECT_EQ(feed->timing(), Timing::kRecorded);
+  std::vector<int64_t> sent;
+  for (int64_t seq = 0; seq < std::ssize(times); ++seq) {
+    const FrameId id = feed->Next({})->id;
+    EXPECT_EQ(id.seq, seq);
+    sent.push_back(id.utime);
+  }
+  EXPECT_THAT(sent, ::testing::ElementsAre(5000, 7000, 7001, 8000, 5000, 7000, 7001));
 }
 
 class ImageEncoderTest : public testing::Test {
