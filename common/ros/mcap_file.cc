@@ -250,6 +250,7 @@ void McapFile::ReadSummary(uint64_t offset) {
   for (Head head; ReadHead(offset, head) && head.opcode != McapOpcode::kFooter;
        offset += kRecordHead + head.size) {
     if (head.opcode != McapOpcode::kSchema && head.opcode != McapOpcode::kChannel) continue;
+    if (head.size > kMaxMcapRecordBytes) continue;
     if (!ReadContent(offset + kRecordHead, head.size, content)) return;
     if (head.opcode == McapOpcode::kSchema ? ReadSchema(content).has_value()
                                            : ReadChannel(content).has_value()) {
