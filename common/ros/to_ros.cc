@@ -134,6 +134,7 @@ void SetTransform(int64_t utime, const std::string& parent, const std::string& c
 constexpr uint8_t kOk = 0;
 constexpr uint8_t kWarn = 1;
 constexpr uint8_t kError = 2;
+constexpr uint8_t kStale = 3;
 
 std::vector<std::pair<std::string, std::string>> ValuesOf(const StageStatus& status) {
   return {{"newest frame", fmt::format("{}", status.newest_frame.seq)},
@@ -152,12 +153,19 @@ std::vector<std::pair<std::string, std::string>> ValuesOf(const StageStatus& sta
           {"version", status.version}};
 }
 
-void Set(const StageStatus& status, RosDiagnostic& ros) {
-  const bool has_stopped = status.state == StageStatus::State::kStopped;
-  const bool is_fine = status.last_error.empty();
-  ros.level = has_stopped ? kError : is_fine ? kOk : kWarn;
+std::pair<uint8_t, std::string> LevelOf(const RosHealth& process) {
+  if (process.status.state == StageStatus::State::kStopped) return {kError, "stopped"};
+  if (process.silent_s > 0) return {kStale, fmt::format("silent for {:.0f} s", process.silent_s)};
+  if (!process.status.last_error.empty()) return {kWarn, process.status.last_error};
+  return {kOk, "running"};
+}
+
+void Set(const RosHealth& process, RosDiagnostic& ros) {
+  const StageStatus& status = process.status;
+  const auto [level, message] = LevelOf(process);
+  ros.level = level;
   SetRosText(ros.name, "sprout: " + status.stage);
-  SetRosText(ros.message, has_stopped ? "stopped" : is_fine ? "running" : status.last_error);
+  SetRosText(ros.message, message);
   SetRosText(ros.hardware_id, status.host);
   const auto values = ValuesOf(status);
   const std::span all = ResizeRos(ros.values, values.size());
@@ -323,12 +331,12 @@ RosMessage<RosTransforms> ToRosTransforms(int64_t utime, const Rig& rig, const R
 }
 
 RosMessage<RosDiagnostics> ToRosDiagnostics(int64_t utime,
-                                            const std::map<std::string, StageStatus>& statuses) {
+                                            const std::map<std::string, RosHealth>& processes) {
   RosMessage<RosDiagnostics> ros;
   ros->header.stamp = RosStamp(utime);
-  const std::span all = ResizeRos(ros->status, statuses.size());
+  const std::span all = ResizeRos(ros->status, processes.size());
   size_t next = 0;
-  for (const auto& [name, status] : statuses) Set(status, all[next++]);
+  for (const auto& [name, process] : processes) Set(process, all[next++]);
   return ros;
 }
 

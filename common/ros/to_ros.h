@@ -74,10 +74,16 @@ RosMessage<RosDisparity> ToRosDisparity(const RosPlace& place, const DisparityIm
 /// Where the right and the ToF camera stand in the left one's frame.
 RosMessage<RosTransforms> ToRosTransforms(int64_t utime, const Rig& rig, const RosFrames& frames);
 
-/// How processes fare, one entry each, named "sprout: STAGE". ERROR: it
-/// stopped; WARN: something went wrong, and the message says what. The numbers are in the values.
+/// How a process fares.
+struct RosHealth {
+  StageStatus status;
+  double silent_s = 0;  ///< since when it is silent though it should have been heard; 0: it is not
+};
+
+/// How processes fare, one entry each, named "sprout: STAGE". ERROR: it stopped; STALE: it is
+/// silent; WARN: something went wrong, and the message says what. The numbers are in the values.
 RosMessage<RosDiagnostics> ToRosDiagnostics(int64_t utime,
-                                            const std::map<std::string, StageStatus>& statuses);
+                                            const std::map<std::string, RosHealth>& processes);
 
 }  // namespace sprout
 

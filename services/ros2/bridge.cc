@@ -5,13 +5,14 @@
 #include <exception>
 #include <utility>
 
+#include "common/app/status_board.h"
 #include "common/bus/channels.h"
 #include "common/ros/compressed.h"
 
 namespace sprout::ros2 {
 namespace {
 
-// A graph has one rig, or for a moment two.
+// Calibrations that are kept: those of the frames under way, where each has its own.
 constexpr size_t kMaxRigs = 8;
 constexpr size_t kMaxStatuses = 64;
 
@@ -134,18 +135,32 @@ void Bridge::OnStatus(std::span<const uint8_t> bytes) {
   const Result<StageStatus> status = DecodeStatus(bytes);
   if (!status) return monitor_.BadMessage(kStatusChannel, status.error().text);
   const std::scoped_lock lock(mutex_);
-  if (statuses_.size() < kMaxStatuses || statuses_.contains(status->stage)) {
-    statuses_.insert_or_assign(status->stage, *status);
+  const auto now = Clock::now();
+  if (statuses_.size() == kMaxStatuses && !statuses_.contains(status->stage)) {
+    std::erase_if(statuses_, [&](const auto& entry) {  // those that have ended make room
+      return entry.second.status.state == StageStatus::State::kStopped ||
+             now - entry.second.when > StatusBoard::kStaleAfter;
+    });
+    if (statuses_.size() == kMaxStatuses) {
+      return monitor_.BadMessage(kStatusChannel, "of more stages than are shown");
+    }
   }
+  statuses_.insert_or_assign(status->stage, Heard{.status = *status, .when = now});
 }
 
 void Bridge::OnRig(std::span<const uint8_t> bytes) {
   const Result<DecodedPart> rig = DecodePart(Part::kRig, bytes);
   if (!rig) return monitor_.BadMessage(ChannelOf(Part::kRig), rig.error().text);
   const std::scoped_lock lock(mutex_);
-  if (rigs_.contains(rig->id.rig_id)) return;
-  if (rigs_.size() == kMaxRigs) rigs_.clear();
-  rigs_.emplace(rig->id.rig_id, std::get<Rig>(rig->value));
+  if (rig->id.rig_id == newest_rig_) return;  // the same again, each second
+  newest_rig_ = rig->id.rig_id;
+  if (rigs_.insert_or_assign(newest_rig_, std::get<Rig>(rig->value)).second) {
+    rig_order_.push_back(newest_rig_);
+    if (rig_order_.size() > kMaxRigs) {
+      rigs_.erase(rig_order_.front());
+      rig_order_.pop_front();
+    }
+  }
   // Latched: who comes later gets it, too.
   for (const Topic& topic : topics_) {
     if (topic.row->topic != RosTopic::kTransforms) continue;
@@ -251,7 +266,15 @@ void Bridge::PublishDiagnostics() {
   const std::scoped_lock lock(mutex_);
   for (const Topic& topic : topics_) {
     if (topic.row->topic != RosTopic::kDiagnostics || !node_.HasReaders(topic.writer)) continue;
-    Publish(topic, {}, ToRosDiagnostics(NowUtime(), statuses_));
+    std::map<std::string, RosHealth> health;
+    for (const auto& [stage, heard] : statuses_) {
+      const auto silence = Clock::now() - heard.when;
+      const bool is_silent = silence > StatusBoard::kStaleAfter;
+      health[stage] = {
+          .status = heard.status,
+          .silent_s = is_silent ? std::chrono::duration<double>(silence).count() : 0.0};
+    }
+    Publish(topic, {}, ToRosDiagnostics(NowUtime(), health));
   }
 }
 

@@ -1,7 +1,9 @@
 #ifndef SPROUT_SERVICES_ROS2_BRIDGE_H_
 #define SPROUT_SERVICES_ROS2_BRIDGE_H_
 
+#include <chrono>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -57,6 +59,12 @@ class Bridge {
     RosNode::Handle writer;
   };
 
+  using Clock = std::chrono::steady_clock;
+  struct Heard {
+    StageStatus status;
+    Clock::time_point when;
+  };
+
   void OnPart(Part part, std::span<const uint8_t> bytes);
   void OnRig(std::span<const uint8_t> bytes);
   void OnStatus(std::span<const uint8_t> bytes);
@@ -75,8 +83,10 @@ class Bridge {
   RosNode node_;
   std::vector<Topic> topics_;
   std::mutex mutex_;
-  std::map<std::string, Rig> rigs_;  // by rig_id
-  std::map<std::string, StageStatus> statuses_;
+  std::map<std::string, Rig> rigs_;    // by rig_id
+  std::deque<std::string> rig_order_;  // as they came
+  std::string newest_rig_;
+  std::map<std::string, Heard> statuses_;
   std::map<Part, SequenceGaps> gaps_;  // of the channels that are received
   int64_t earlier_gaps_ = 0;           // of those that were
   int64_t converted_ = 0;

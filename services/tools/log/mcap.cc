@@ -9,8 +9,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 #include <string>
+#include <utility>
 
 #include "common/app/version.h"
 #include "common/bus/channels.h"
@@ -160,7 +160,7 @@ class McapExporter {
     const Result<StageStatus> status = DecodeStatus(event.data);
     if (!status) return Refuse(event, status.error().text);
     if (frames_ && !frames_->Has(status->newest_frame.seq)) return;
-    const auto message = ToRosDiagnostics(event.utime, {{status->stage, *status}});
+    const auto message = ToRosDiagnostics(event.utime, {{status->stage, {*status}}});
     file_.Write(RosTopic::kDiagnostics, status->newest_frame.seq, event.utime, message);
   }
 
@@ -175,7 +175,9 @@ class McapExporter {
     const Result<DecodedPart> decoded = DecodePart(part, event.data);
     if (!decoded) return Refuse(event, decoded.error().text);
     // Calibrations are sent every second, and latched here.
-    if (part == Part::kRig && !latched_.insert(decoded->id.rig_id).second) return;
+    if (part == Part::kRig && std::exchange(latched_, decoded->id.rig_id) == decoded->id.rig_id) {
+      return;
+    }
     for (const RosTopicRow& row : RosTopicRows()) {
       if (!is_of_part(row) || row.topic == RosTopic::kDiagnostics) continue;
       const Rig* const rig = row.needs_rig ? rigs_.Find(decoded->id.rig_id) : nullptr;
@@ -190,7 +192,7 @@ class McapExporter {
   RigBook rigs_;
   RosFile file_;
   ProcessSummary processes_;
-  std::set<std::string> latched_;
+  std::string latched_;  // rig_id
   int64_t refused_ = 0;
   std::string first_refused_;
   int64_t without_rig_ = 0;

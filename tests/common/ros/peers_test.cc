@@ -106,7 +106,7 @@ TEST(McapPeers, ReadEveryMessageOfAnExport) {
     if (event.channel == kStatusChannel) {
       const StageStatus status = *DecodeStatus(event.data);
       add(RowOf(RosTopic::kDiagnostics), status.newest_frame.seq,
-          ToRosDiagnostics(event.utime, {{status.stage, status}}));
+          ToRosDiagnostics(event.utime, {{status.stage, {status}}}));
       continue;
     }
     const auto part = PartOf(event.channel);

@@ -151,7 +151,7 @@ void ForEachRosExample(const Visit& visit) {
   show(ToRosCloud(Place(), Cloud()));
   show(ToRosDisparity(Place(), SmallDisparity(), Rig().pair));
   show(ToRosTransforms(Place().utime, Rig(), {}));
-  show(ToRosDiagnostics(-1, {{"a", Status()}, {"b", StageStatus{}}}));
+  show(ToRosDiagnostics(-1, {{"a", {Status()}}, {"b", {StageStatus{}}}}));
 }
 
 }  // namespace sprout::examples

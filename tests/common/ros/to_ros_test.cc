@@ -89,6 +89,25 @@ TEST(RosTopics, SayNothingOfAFrameWithoutCalibrationWhereTheyNeedIt) {
   EXPECT_EQ(RosTopicName(RowOf(RosTopic::kTransforms), "/robot"), "/tf_static");
 }
 
+TEST(ToRosDiagnostics, SayWhoIsSilentAndWhoHasStopped) {
+  StageStatus running;
+  running.state = StageStatus::State::kRunning;
+  StageStatus warns = running;
+  warns.last_error = "one camera is gone";
+  StageStatus stopped;
+  stopped.state = StageStatus::State::kStopped;
+  const auto message = ToRosDiagnostics(
+      1, {{"a", {running}}, {"b", {warns}}, {"c", {warns, 7}}, {"d", {stopped, 7}}});
+  const auto all = RosSpan(message->status);
+  ASSERT_EQ(all.size(), 4U);
+  const std::pair<int, std::string> expected[] = {
+      {0, "running"}, {1, "one camera is gone"}, {3, "silent for 7 s"}, {2, "stopped"}};
+  for (size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(all[i].level, expected[i].first) << i;
+    EXPECT_EQ(RosText(all[i].message), expected[i].second) << i;
+  }
+}
+
 TEST(RosTopics, HaveTheFusedMapBesideTheSingleOne) {
   const Rig rig = examples::Rig();
   const PartValue map = examples::SmallDisparity();
