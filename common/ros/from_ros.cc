@@ -249,6 +249,7 @@ Result<std::vector<Eigen::Vector3d>> FromRosCloud(const RosPointCloud& ros) {
 
 Result<std::vector<RosPose>> FromRosTransforms(const RosTransforms& ros) {
   std::vector<RosPose> poses;
+  Result<void> refused;  // the first one that was
   for (const RosTransform& one : RosSpan(ros.transforms)) {
     const auto& place = one.transform.translation;
     const auto& turn = one.transform.rotation;
@@ -259,11 +260,15 @@ Result<std::vector<RosPose>> FromRosTransforms(const RosTransforms& ros) {
         .Require(std::abs(rotation.norm() - 1) < 1e-3, "transform.rotation norm", rotation.norm(),
                  "1")
         .Require(place_m.allFinite(), "transform.translation", "not finite", "finite numbers");
-    if (!checks.ok()) return checks.error();
+    if (!checks.ok()) {  // of some other joint, mostly
+      if (refused) refused = checks.error();
+      continue;
+    }
     poses.push_back({.parent = std::string(RosText(one.header.frame_id)),
                      .child = std::string(RosText(one.child_frame_id)),
                      .parent_from_child = {rotation, place_m}});
   }
+  if (poses.empty() && !refused) return tl::unexpected(refused.error());
   return poses;
 }
 

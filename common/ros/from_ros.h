@@ -85,6 +85,8 @@ struct RosPose {
   std::string child;
   Pose parent_from_child = {};
 };
+
+/// The transforms that can be used; an error when all of one or more cannot.
 Result<std::vector<RosPose>> FromRosTransforms(const RosTransforms& ros);
 
 /// A decoded picture of 8 or 16 bits (grey, BGR, BGRA) as grey or BGR, of as many bits.

@@ -72,7 +72,7 @@ UnpackedFile UnpackFile(const fs::path& path, std::string_view magic) {
             std::string("cannot be unpacked further: ") + ZSTD_getErrorName(result);
         break;
       }
-      is_full = out.pos == out.size;
+      is_full = out.pos == out.size && result != 0;  // at the end of a frame nothing is left inside
       if (unpacked.size == 0 && out.pos > 0 &&
           !std::string_view(block.data(), out.pos).starts_with(magic)) {
         throw McapError(path.string() + ": no MCAP file in it");
@@ -136,6 +136,9 @@ struct McapFile::Head {
   uint64_t size = 0;  // of its content
   std::array<uint8_t, kMessageHead> begin{};
 
+  // Zeros: bytes that were never written.
+  bool is_nothing() const { return opcode == McapOpcode{} && size == 0; }
+
   uint64_t time_ns() const {
     uint64_t time = 0;
     const size_t at = opcode == McapOpcode::kMessage ? 6 : 0;
@@ -184,7 +187,9 @@ bool McapFile::ReadHead(uint64_t offset, Head& head) {
   McapBytes bytes;
   const uint64_t left = size_ - offset;
   if (left < kRecordHead) return false;
-  ReadContent(offset, std::min<uint64_t>(left, kRecordHead + kMessageHead), bytes);
+  if (!ReadContent(offset, std::min<uint64_t>(left, kRecordHead + kMessageHead), bytes)) {
+    return false;
+  }
   RecordReader reader(bytes);
   head.opcode = reader.Number<McapOpcode>();
   head.size = reader.Number<uint64_t>();
@@ -212,6 +217,9 @@ void McapFile::Walk() {
     if (!ReadHead(offset, head)) {
       return Tell(offset, "the file ends within a record, " + std::to_string(size_ - offset) +
                               " bytes lost");
+    }
+    if (head.is_nothing()) {
+      return Tell(offset, "no record, " + std::to_string(size_ - offset) + " bytes lost");
     }
     if (IsOfUse(head.opcode) && head.size > kMaxMcapRecordBytes) {
       Tell(offset, "a record of " + std::to_string(head.size) + " bytes: allowed are up to " +
@@ -247,7 +255,8 @@ void McapFile::Walk() {
 // the messages'.
 void McapFile::ReadSummary(uint64_t offset) {
   McapBytes content;
-  for (Head head; ReadHead(offset, head) && head.opcode != McapOpcode::kFooter;
+  for (Head head;
+       ReadHead(offset, head) && head.opcode != McapOpcode::kFooter && !head.is_nothing();
        offset += kRecordHead + head.size) {
     if (head.opcode != McapOpcode::kSchema && head.opcode != McapOpcode::kChannel) continue;
     if (head.size > kMaxMcapRecordBytes) continue;

@@ -169,5 +169,17 @@ TEST(FromRos, TheTofCameraComesBack) {
   EXPECT_EQ((*poses)[1].parent_from_child.rotation.coeffs(), tof.left_from_tof_rotation.coeffs());
 }
 
+TEST(FromRos, ATransformThatCannotBeIsLeftOut) {
+  const auto transforms = ToRosTransforms(1, examples::Rig(), {});
+  const auto all = RosSpan(transforms->transforms);
+  all[0].transform.rotation = {0, 0, 0, 0};  // of another joint
+  const auto poses = FromRosTransforms(*transforms);
+  ASSERT_TRUE(poses) << ErrorOf(poses);
+  ASSERT_EQ(poses->size(), 1U);
+  EXPECT_EQ((*poses)[0].child, "sprout_tof_optical_frame");
+  all[1].transform.rotation = {0, 0, 0, 0};
+  EXPECT_THAT(ErrorOf(FromRosTransforms(*transforms)), HasSubstr("transform.rotation norm"));
+}
+
 }  // namespace
 }  // namespace sprout

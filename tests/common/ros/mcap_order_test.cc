@@ -153,6 +153,28 @@ TEST(McapParts, OfAFilePackedAsAWholeAreAllThatIsWhole) {
   EXPECT_THAT(torn_reader.trouble(), testing::Contains(HasSubstr("the packed file ends")));
 }
 
+TEST(McapParts, OfAFilePackedAsAWholeMayHaveAnySize) {
+  const TemporaryDirectory folder;
+  WriteTopicByTopic(folder / "file", {Times(0, 2000, 1)}, 5000);
+  const Bytes bytes = ReadBytes(folder / "file");
+  // An unknown record behind the magic makes it as long as whole blocks of zstd.
+  constexpr size_t kMagic = 8;
+  constexpr size_t kHead = 9;
+  const size_t block = ZSTD_DStreamOutSize();
+  const size_t more = block - (bytes.size() + kHead) % block;
+  Bytes padded(bytes.begin(), bytes.begin() + kMagic);
+  padded.push_back(0x80);
+  for (size_t i = 0; i < 8; ++i) padded.push_back(static_cast<uint8_t>(more >> (8 * i)));
+  padded.resize(padded.size() + more);
+  padded.insert(padded.end(), bytes.begin() + kMagic, bytes.end());
+  ASSERT_EQ(padded.size() % block, 0U);
+  WriteBytes(folder / "padded", padded);
+  Pack(folder / "padded", folder / "file.mcap.zstd");
+  McapReader reader(fs::path(folder / "file.mcap.zstd"));
+  EXPECT_EQ(ReadAll(reader).times, Times(0, 2000, 1));
+  EXPECT_THAT(reader.trouble(), IsEmpty());
+}
+
 TEST(McapParts, OfOtherBagsSayWhatMakesMcapOfThem) {
   const TemporaryDirectory folder;
   fs::create_directory(folder / "bag");

@@ -242,6 +242,22 @@ TEST(Mcap, SkipsAttachmentsAndWhatItDoesNotKnowByTheirLength) {
   EXPECT_LT(PeakMemory() - before, kLittle);
 }
 
+TEST(Mcap, EndsWhereNothingWasWritten) {
+  const TemporaryDirectory folder;
+  Bytes bytes = MakeMcap(folder, McapCompression::kNone);
+  const size_t whole = bytes.size();
+  bytes.resize(whole / 2);
+  WriteBytes(folder / "torn", bytes);
+  const Content torn = ReadMcap(folder / "torn");
+  ASSERT_THAT(torn.messages, testing::Not(IsEmpty()));
+  // The end of a record that was cut is zeros now, and then come records of nothing.
+  bytes.resize(whole + 1'000'000);
+  WriteBytes(folder / "zeros", bytes);
+  const Content zeros = ReadMcap(folder / "zeros");
+  EXPECT_GE(zeros.messages.size(), torn.messages.size());
+  EXPECT_THAT(zeros.trouble, testing::Contains(HasSubstr("no record, 1")));
+}
+
 TEST(Mcap, IsRefusedWhenItIsNone) {
   const TemporaryDirectory folder;
   EXPECT_THROW(McapReader(folder / "nothing"), McapError);
