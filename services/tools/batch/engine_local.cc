@@ -74,6 +74,16 @@ class LocalRun {
 
   // @returns whether it succeeded.
   bool Try(int log, int failures) {
+    try {
+      return TryOrThrow(log, failures);
+    } catch (const std::exception& e) {  // no process or pipe left
+      const std::lock_guard lock(mutex_);
+      if (stopped_.empty()) stopped_ = e.what();
+      return false;
+    }
+  }
+
+  bool TryOrThrow(int log, int failures) {
     Process process({program_, "compute", folder_.root(), std::to_string(log), "--threads",
                      std::to_string(threads_)});
     std::optional<int> code;

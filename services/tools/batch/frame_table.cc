@@ -6,13 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <map>
-#include <sstream>
 
 #include "common/core/number_text.h"
 #include "common/core/output_file.h"
-#include "common/core/read_text.h"
 #include "common/core/signal_watcher.h"
 #include "common/logfile/log_error.h"
 #include "services/tools/batch/log_task.h"
@@ -145,7 +144,7 @@ void WriteTable(const std::filesystem::path& path, const Table& table) {
 }
 
 Table ReadTable(const std::filesystem::path& path, const std::vector<std::string>& columns) {
-  std::istringstream file(ReadText(path, kMaxListBytes).value_or(""));
+  std::ifstream file(path);
   std::string line;
   if (!std::getline(file, line)) throw LogError(path, "cannot be read");
   Table table = Table::Of(columns);
@@ -158,6 +157,7 @@ Table ReadTable(const std::filesystem::path& path, const std::vector<std::string
     if (row.size() != table.columns.size()) throw LogError(path, "a row has missing cells");
     if (!row[0] || !row[1]) throw LogError(path, "a row has no seq or utime");
   }
+  if (file.bad()) throw LogError(path, "cannot be read");
   return table;
 }
 

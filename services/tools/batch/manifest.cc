@@ -149,9 +149,25 @@ fs::path BatchFolder::result(const Manifest& manifest, int log, int variant) con
   return Grouped(root_ / "results", ResultKey(manifest, log, variant));
 }
 
+// Names, sizes and times of the files of ground truth, which change when it is replaced.
+std::string TruthText(const fs::path& folder) {
+  std::set<std::string> files;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    std::error_code gone;
+    files.insert(fmt::format(" {} {} {}", entry->path().filename().string(), entry->file_size(gone),
+                             entry->last_write_time(gone).time_since_epoch().count()));
+  }
+  return fmt::format("{}", fmt::join(files, ""));
+}
+
 fs::path BatchFolder::comparison(const Manifest& manifest, int log) const {
   std::string text = fmt::format("comparison {} {}", kManifestFormat, manifest.truth());
-  if (!manifest.truth().empty()) text += " " + manifest.log(log).name();
+  if (!manifest.truth().empty()) {
+    text += " " + manifest.log(log).name() +
+            TruthText(fs::path(manifest.truth()) / manifest.log(log).name());
+  }
   for (int i = 0; i < manifest.variant_size(); ++i) text += " " + ResultKey(manifest, log, i);
   return Grouped(root_ / "comparisons", Digest(text));
 }

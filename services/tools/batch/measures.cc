@@ -3,14 +3,15 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <opencv2/imgcodecs.hpp>
 #include <set>
 
 #include "common/core/disparity_diff.h"
 #include "common/frames/log_frames.h"
+#include "common/logfile/log_error.h"
 #include "common/logfile/log_reader.h"
 #include "common/measure/frame_quality.h"
 #include "common/measure/score.h"
+#include "common/scenes/pfm.h"
 
 namespace sprout::batch {
 namespace {
@@ -51,10 +52,13 @@ std::vector<Cell> CellsOf(const DisparityDiff& diff) {
 }
 
 // Share of the pixels with a true disparity where the map is off by more than 1 px or has none.
-Cell BadShare(const std::optional<DisparityImage>& map, const cv::Mat1f& truth_px) {
-  if (!map) return std::nullopt;
+// @throws LogError when the truth has another size than the map.
+Cell BadShare(const std::optional<DisparityImage>& map, const cv::Mat1f& truth_px,
+              const std::filesystem::path& file) {
+  if (!map || map->empty()) return std::nullopt;
   const Result<Accuracy> accuracy = Score(*map, truth_px, cv::Mat1b(truth_px.size(), uchar{255}));
-  if (!accuracy || accuracy->scored == 0) return std::nullopt;
+  if (!accuracy) throw LogError(file, accuracy.error().text);
+  if (accuracy->scored == 0) return std::nullopt;
   return 1 - accuracy->correct_le1_percent() / 100;
 }
 
@@ -148,10 +152,10 @@ Table CompareFrames(FrameLookup& a, FrameLookup* b, Part map, const std::filesys
     }
     if (truth.empty()) continue;
     const auto file = truth / fmt::format("{:06}_disparity.pfm", id.seq);
-    const cv::Mat truth_px = cv::imread(file, cv::IMREAD_UNCHANGED);
-    if (truth_px.type() != CV_32FC1) continue;
-    row[row.size() - 2] = BadShare(map_a, truth_px);
-    row[row.size() - 1] = BadShare(map_b, truth_px);
+    if (!std::filesystem::exists(file)) continue;
+    const cv::Mat1f truth_px = scenes::ReadPfm(file);
+    row[row.size() - 2] = BadShare(map_a, truth_px, file);
+    row[row.size() - 1] = BadShare(map_b, truth_px, file);
   }
   return table;
 }

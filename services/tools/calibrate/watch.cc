@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <iostream>
 #include <optional>
@@ -36,7 +37,11 @@ class ViewFolder {
   ViewFolder(const Board& board, const fs::path& folder)
       : folder_(folder), collector_(board), coverage_(board) {
     RequireWritableFolder("--out", folder, {"left_0001.png"});  // not when the board has been shown
-    if (!fs::is_empty(folder)) {
+    // The left image of a view is written last.
+    const bool has_view = std::ranges::any_of(
+        fs::directory_iterator(folder),
+        [](const auto& entry) { return entry.path().filename().string().starts_with("left_"); });
+    if (has_view) {
       constexpr int kFoundOut = 0;  // its own images have 8 bits
       ReadImageFolder(folder, kFoundOut,
                       [&](const RigImages& images) { Add(images, std::nullopt); });

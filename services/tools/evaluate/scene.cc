@@ -69,7 +69,7 @@ std::unique_ptr<scenes::Dataset> Open(const std::string& scene, const TofChoice&
 int LargestDisparity(const cv::Mat1f& truth) {
   float largest = 0;
   for (const float disparity : truth) {
-    if (std::isfinite(disparity)) largest = std::max(largest, disparity);
+    if (disparity <= kMaxSide) largest = std::max(largest, disparity);
   }
   return static_cast<int>(std::ceil(largest));
 }

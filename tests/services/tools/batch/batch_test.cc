@@ -3,6 +3,7 @@
 
 #include <fstream>
 
+#include "common/config/config_error.h"
 #include "common/logfile/log_error.h"
 #include "common/logfile/log_writer.h"
 #include "common/messages/codec.h"
@@ -82,6 +83,25 @@ TEST(Tables, AMissingDisparityIsWrongWhereTheTruthIsKnown) {
   EXPECT_NEAR(bad_share().value(), 2.0 / 3, 1e-12);
   truth.counts().setTo(DisparityImage::kInvalid);
   EXPECT_EQ(bad_share(), std::nullopt);
+}
+
+TEST(Tables, SayWhatIsWrongWithTheTruth) {
+  const TemporaryDirectory folder;
+  const std::string file = folder / "000007_disparity.pfm";
+  DisparityImage map(cv::Size(4, 1));
+  map.counts().setTo(320);
+  const auto compare = [&] {
+    return CompareFrames(*Answers(folder / "a", map), nullptr, Part::kDisparity, folder / "")
+        .rows.at(0)
+        .at(9);
+  };
+  // Middlebury's scale is for viewers: values are px all the same.
+  std::ofstream(file, std::ios::binary) << "Pf\n4 1\n-0.003922\n" << std::string(16, '\0');
+  EXPECT_EQ(compare(), 1.0) << "0 px";
+  std::ofstream(file, std::ios::binary) << "Pf\n4 1\n-1\n" << std::string(15, '\0');
+  EXPECT_THROW(compare(), ConfigError) << "torn";
+  std::ofstream(file, std::ios::binary) << "Pf\n3 1\n-1\n" << std::string(12, '\0');
+  EXPECT_THROW(compare(), LogError) << "of another size";
 }
 
 TEST(Tables, HaveARowForEachFrameThatIsNotMeasured) {
