@@ -62,8 +62,11 @@ class Preparation {
     // grey with what they are decoded from, and as many of results and what is between.
     constexpr int64_t kBytes = 32;
     constexpr int64_t kMaxPixels = 8'000'000;  // a wrong calibration must not take all memory
-    TouchMemory(stages_ * static_cast<size_t>(kBytes * std::min(pixels, kMaxPixels)));
     is_over_ = true;
+    try {
+      TouchMemory(stages_ * static_cast<size_t>(kBytes * std::min(pixels, kMaxPixels)));
+    } catch (const std::bad_alloc&) {  // it only saves the first frame some time
+    }
   }
 
   void FrameCame() { is_over_ = true; }

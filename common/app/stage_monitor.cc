@@ -215,14 +215,16 @@ void StageMonitor::SetTofOffset(const TofOffsetStatus& offset) {
   const std::lock_guard lock(mutex_);
   status_.tof_offset = offset;
   if (!offset.is_off) return ResolveLocked(offset_warning_);
-  if (now_() < next_offset_warning_) return;
-  next_offset_warning_ = now_() + kWarningPeriod;
+  const bool is_due = now_() >= next_offset_warning_;
+  if (!is_due && !offset_warning_.empty()) return;
   char text[160];
   std::snprintf(text, sizeof text,
                 "the ToF camera's points are off by (%.1f, %.1f) px in the left image: calibrate "
                 "again; refine { align_tof: true } corrects it until then",
                 -static_cast<double>(offset.u_px), -static_cast<double>(offset.v_px));
   HoldLocked(offset_warning_, text, true);
+  if (!is_due) return;
+  next_offset_warning_ = now_() + kWarningPeriod;
   LogLine(LogLevel::kWarning, text);
 }
 

@@ -120,7 +120,11 @@ void Receiver::Handle(const std::stop_token& stop) {
     queue_.pop_front();
     queued_bytes_ -= message.bytes.size + kOverheadBytes;
     lock.unlock();
-    handler_(message.channel, message.bytes.span());
+    try {
+      handler_(message.channel, message.bytes.span());
+    } catch (const std::exception&) {  // out of memory: must not end the process
+      if (dropped_) dropped_(message.channel);
+    }
   }
 }
 

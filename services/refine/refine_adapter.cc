@@ -57,6 +57,7 @@ const TofProjector& RefineAdapter::ProjectorOf(const Rig& rig) {
     if (kept.rig_id == rig_id) return *kept.projector;
   }
   std::swap(projectors_[0], projectors_[1]);
+  projectors_[0].rig_id.clear();  // until there is one: memory may run out
   projectors_[0].projector.emplace(rig);
   projectors_[0].rig_id = rig_id;
   return *projectors_[0].projector;

@@ -112,11 +112,16 @@ class Watcher {
   void Look(const Frame& frame) {
     const auto arrived = Clock::now();
     monitor_.FrameIn(/*skipped=*/false);
-    const Result<std::optional<RigChange>> seen = watch_.Add(frame);
-    if (!seen) return monitor_.FrameFailed(frame.id, seen.error().text);
-    std::string degenerate;
-    if (*seen) Tell(**seen, frame.rig->pair, degenerate);
-    monitor_.FrameOut(frame.id, arrived, degenerate);
+    try {
+      const Result<std::optional<RigChange>> seen = watch_.Add(frame);
+      if (!seen) return monitor_.FrameFailed(frame.id, seen.error().text);
+      std::string degenerate;
+      if (*seen) Tell(**seen, frame.rig->pair, degenerate);
+      monitor_.FrameOut(frame.id, arrived, degenerate);
+    } catch (const std::exception& e) {  // out of memory
+      watch_.Forget();
+      monitor_.FrameFailed(frame.id, e.what());
+    }
   }
 
   void Tell(const RigChange& change, const RectifiedPair& pair, std::string& degenerate) {

@@ -29,6 +29,9 @@ class RigWatch {
   ///          MP 0.2 s, and 0.5 s more with a result, or 1 s when the calibration is wrong.
   Result<std::optional<RigChange>> Add(const Frame& frame);
 
+  /// Begins again with the next frame.
+  void Forget() { refiner_.reset(); }
+
   /// What the last result would add to the ranges as they are, as a curve of the range: the change
   /// of their offset, and what is left of the error behind it; one knot: the same at every range;
   /// empty: nothing is sure. rig_change_t has no place for a curve: sprout-calibrate refine writes

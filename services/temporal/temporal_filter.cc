@@ -130,7 +130,7 @@ TemporalOutput TemporalFilter::Compute(const TemporalInput& input) {
     last_id_ = now_.id;
     if (!IsAsLast(input)) std::swap(before_, now_);
   }
-  now_.known = true;
+  now_.known = false;  // until all of it is there: memory may run out
   now_.id = input.id;
   now_.left = input.left;
   now_.measured = input.disparity.counts();
@@ -145,6 +145,7 @@ TemporalOutput TemporalFilter::Compute(const TemporalInput& input) {
   const bool has_neighbours = std::min(input.left.rows, input.left.cols) > 1;
   const bool is_known = now_.motion.reset == MemoryReset::kNone && has_neighbours;
   is_known ? Fuse(input, output) : Begin(input, output);
+  now_.known = true;
   return output;
 }
 

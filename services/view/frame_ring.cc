@@ -68,7 +68,8 @@ Result<bool> FrameRing::Add(std::string_view channel, std::span<const uint8_t> b
     if (pace.last) pace.interval = now - *pace.last;
     pace.last = now;
     StoredFramePtr& frame = FindOrStart(*id);
-    if (started_.size() < frames_.size()) started_.push_back(utime);
+    if (started_.size() < frames_.size())
+      started_.push_back(dropped_events_ + std::ssize(events_) - 1);
     if (!SameBytes(frame->part(*part), bytes)) {
       auto changed = std::make_shared<StoredFrame>(*frame);
       changed->parts[static_cast<size_t>(*part)] = message;
@@ -136,6 +137,7 @@ bool FrameRing::Announce(const StoredFramePtr& frame, Clock::time_point now) {
 void FrameRing::DropFrontEvent() {
   event_bytes_ -= events_.front().bytes->size() + kOverheadBytes;
   events_.pop_front();
+  ++dropped_events_;
 }
 
 void FrameRing::Forget() {
@@ -145,9 +147,12 @@ void FrameRing::Forget() {
   };
   while (frames_.size() > kMaxFrames) drop_frame();
   const int64_t idle_since = events_.back().utime - kIdleUtime;
+  const auto is_old = [&] {
+    return started_.empty() ? events_.front().utime < idle_since
+                            : dropped_events_ < started_.front();
+  };
   const auto drop_old_events = [&] {
-    const int64_t oldest = started_.empty() ? idle_since : started_.front();
-    while (events_.size() > 1 && events_.front().utime < oldest) DropFrontEvent();
+    while (events_.size() > 1 && is_old()) DropFrontEvent();
   };
   drop_old_events();
   while (event_bytes_ > max_bytes_ && frames_.size() > 1) {

@@ -56,7 +56,8 @@ EncodedPartPtr EncodeCloud(DecodedFrame& frame) {
   if (map == nullptr || left == nullptr || rig == nullptr || map->empty()) return nullptr;
   if (left->size() != map->size() || rig->pair.size() != map->size()) return nullptr;
   const auto* confidence = frame.Get<cv::Mat>(Part::kConfidence);
-  const bool has_confidence = confidence != nullptr && confidence->size() == map->size();
+  const bool has_confidence =
+      confidence != nullptr && confidence->size() == map->size() && confidence->type() == CV_8UC1;
   const double pixels = static_cast<double>(map->counts().total());
   const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / kMaxShownPoints))));
   const int columns = (map->width() + stride - 1) / stride;

@@ -35,7 +35,7 @@ nlohmann::json TargetPanel::Show(DecodedFrame& frame) {
 
 Result<void> TargetPanel::Begin(const Rig& rig, cv::Size size) {
   const std::string rig_id = RigId(rig);
-  if (meter_ && rig_id == rig_id_) return {};
+  if (meter_ && rig_id == rig_id_ && size == rig.pair.size()) return {};
   meter_.reset();
   keys_.clear();
   // The region is known only once it is checked.

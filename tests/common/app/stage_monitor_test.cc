@@ -222,6 +222,9 @@ TEST_F(StageMonitorTest, WarnsOnceAMinuteOfAToFCameraThatIsOff) {
   EXPECT_THAT(monitor_.Snapshot().last_error, testing::HasSubstr("off by (-2.5, 1.0) px"));
   monitor_.SetTofOffset({.u_px = 0.1F, .v_px = 0, .sigma_px = 0.25F, .is_off = false});
   EXPECT_EQ(monitor_.Snapshot().last_error, "") << "it was mended";
+  monitor_.SetTofOffset(off);
+  EXPECT_THAT(monitor_.Snapshot().last_error, testing::HasSubstr("off by (-2.5, 1.0) px"))
+      << "and is off again, which the log need not say within a minute";
 }
 
 TEST_F(StageMonitorTest, TellsTheNewestRangeErrorUntilItIsOver) {

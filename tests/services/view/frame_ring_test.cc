@@ -87,6 +87,17 @@ TEST(FrameRing, StaysWithinItsBytesAndKeepsTheNewestFrame) {
   EXPECT_LT(input.ring.keys().first, 45);
 }
 
+TEST(FrameRing, KeepsItsFramesWhenTheClockIsSetBack) {
+  RingInput input(100'000);  // ten frames
+  for (int64_t seq = 0; seq < 60; ++seq) {
+    if (seq == 25) input.utime -= 3'600'000'000;
+    AddWhole(input, seq);
+    input.Wait(milliseconds(100));
+    EXPECT_LE(input.ring.bytes(), 100'000U);
+    EXPECT_GE(input.ring.Snapshot().size(), seq > 10 ? 6U : 1U) << seq;
+  }
+}
+
 TEST(FrameRing, StaysWithinItsBytesWithoutAnyFrame) {
   RingInput input(10'000);
   const std::vector<uint8_t> status(1000);
