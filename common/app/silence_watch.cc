@@ -129,6 +129,7 @@ void SilenceWatch::Warn(const std::stop_token& stop) {
   } catch (const std::exception& e) {  // also of a machine without memory or threads left
     text = std::string("no whole frame, and nothing can be heard: ") + e.what();
   }
+  if (stop.stop_requested()) return;  // it did not listen long enough to say what is missing
   const std::lock_guard lock(mutex_);
   if (!warned_) return;  // a frame has come meanwhile
   warning_ = text.empty() ? SilenceText(needed_, counts_, present) : text;

@@ -26,11 +26,11 @@ namespace sprout {
 class Receiver {
  public:
   /// Called on the receiver's second thread with the channel (without prefix) and the message's
-  /// bytes, valid during the call. Must not throw.
+  /// bytes, valid during the call. A message whose handler throws counts as dropped.
   using Handler = std::function<void(std::string_view channel, std::span<const uint8_t> bytes)>;
 
-  /// Called on the first thread for each message that is dropped because the handler is too slow.
-  /// Must be quick and must not throw.
+  /// Called for each message that is dropped: on the first thread because the handler is too slow,
+  /// on the second because it threw. Must be thread-safe and quick, and must not throw.
   using Dropped = std::function<void(std::string_view channel)>;
 
   /// Takes the place of a list of channels: all channels.

@@ -315,6 +315,7 @@ Agreement BestMoved(const Comparison& comparison, std::span<const RangePixel> pi
 // The best of moves in the picture, from a few far apart to finer ones around the best of them.
 Agreement BestShifted(const Comparison& comparison, std::span<const RangePixel> pixels, int width) {
   Agreement best;
+  // By value: `best` changes meanwhile.
   const auto look_around = [&](const cv::Point2d from, double step_px) {
     for (int direction = 0; direction < 8; ++direction) {
       const double angle = direction * CV_PI / 4;

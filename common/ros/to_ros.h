@@ -77,7 +77,7 @@ RosMessage<RosTransforms> ToRosTransforms(int64_t utime, const Rig& rig, const R
 /// How a process fares.
 struct RosHealth {
   StageStatus status;
-  double silent_s = 0;  ///< since when it is silent though it should have been heard; 0: it is not
+  double silent_s = 0;  ///< how long it has been silent though it should be heard, s; 0: it is not
 };
 
 /// How processes fare, one entry each, named "sprout: STAGE". ERROR: it stopped; STALE: it is

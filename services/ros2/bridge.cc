@@ -154,12 +154,12 @@ void Bridge::OnRig(std::span<const uint8_t> bytes) {
   const std::scoped_lock lock(mutex_);
   if (rig->id.rig_id == newest_rig_) return;  // the same again, each second
   newest_rig_ = rig->id.rig_id;
-  if (rigs_.insert_or_assign(newest_rig_, std::get<Rig>(rig->value)).second) {
-    rig_order_.push_back(newest_rig_);
-    if (rig_order_.size() > kMaxRigs) {
-      rigs_.erase(rig_order_.front());
-      rig_order_.pop_front();
-    }
+  rigs_.insert_or_assign(newest_rig_, std::get<Rig>(rig->value));
+  std::erase(rig_order_, newest_rig_);
+  rig_order_.push_back(newest_rig_);
+  if (rig_order_.size() > kMaxRigs) {
+    rigs_.erase(rig_order_.front());
+    rig_order_.pop_front();
   }
   // Latched: who comes later gets it, too.
   for (const Topic& topic : topics_) {

@@ -84,7 +84,7 @@ class Bridge {
   std::vector<Topic> topics_;
   std::mutex mutex_;
   std::map<std::string, Rig> rigs_;    // by rig_id
-  std::deque<std::string> rig_order_;  // as they came
+  std::deque<std::string> rig_order_;  // the newest last
   std::string newest_rig_;
   std::map<std::string, Heard> statuses_;
   std::map<Part, SequenceGaps> gaps_;  // of the channels that are received

@@ -81,6 +81,7 @@ cv::Point2d BestMove(const PointMap& map, std::span<const Seed> matches, int wid
   const size_t fewest = count_at({}, kNoShare).compared / 2;
   cv::Point2d best;
   double most = kNoShare;
+  // By value: `best` changes meanwhile.
   const auto look_around = [&](const cv::Point2d from, double step_px, int reach) {
     for (int y = -reach; y <= reach; ++y) {
       for (int x = -reach; x <= reach; ++x) {

@@ -69,7 +69,8 @@ struct SurfaceRules {
   /// Difference of two windows of one surface: Σ(a − b)² / Σ(a² + b²) for noise of 1.4 grey levels
   /// at a mean of 100. Smaller differences say nothing.
   static constexpr double kNoise = 2e-4;
-  /// Smallest side of the cells for looking up points, px. It affects time only.
+  /// Smallest side of the cells for looking up points, px. It affects time and, where points crowd,
+  /// how many of them are kept.
   static constexpr double kSmallestCellPx = 2;
   /// Most pieces of such a cell that hide others, the nearest ones: more than a sensor as fine as
   /// the images has.

@@ -120,6 +120,29 @@ TEST(Receiver, CountsWhatItDropsWhenItsHandlerIsTooSlow) {
   EXPECT_EQ(heard + dropped, 20);
 }
 
+TEST(Receiver, GoesOnWhenItsHandlerThrows) {
+  FakeTcpqServer server;
+  std::atomic<int> dropped = 0;
+  std::promise<void> ended;
+  std::optional<Receiver> receiver;
+  auto started = std::async(std::launch::async, [&] {
+    receiver.emplace(
+        server.url(), "", std::vector<std::string_view>{"A", "END"},
+        [&](std::string_view channel, std::span<const uint8_t>) {
+          if (channel == "A") throw std::bad_alloc();
+          ended.set_value();
+        },
+        [&](std::string_view) { ++dropped; });
+  });
+  ASSERT_TRUE(server.Accept());
+  for (int i = 0; i < 2; ++i) server.Receive();  // subscriptions
+  started.get();
+  for (int i = 0; i < 3; ++i) server.Send("A", "x");
+  server.Send("END", "x");
+  ended.get_future().wait();
+  EXPECT_EQ(dropped, 3);
+}
+
 TEST(Publisher, PutsThePrefixBeforeTheChannel) {
   FakeTcpqServer server;
   auto publishing = std::async(std::launch::async, [&] {
