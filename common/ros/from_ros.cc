@@ -247,29 +247,20 @@ Result<std::vector<Eigen::Vector3d>> FromRosCloud(const RosPointCloud& ros) {
   return points;
 }
 
-Result<std::vector<RosPose>> FromRosTransforms(const RosTransforms& ros) {
-  std::vector<RosPose> poses;
-  Result<void> refused;  // the first one that was
-  for (const RosTransform& one : RosSpan(ros.transforms)) {
-    const auto& place = one.transform.translation;
-    const auto& turn = one.transform.rotation;
-    const Eigen::Quaterniond rotation(turn.w, turn.x, turn.y, turn.z);
-    const Eigen::Vector3d place_m(place.x, place.y, place.z);
-    Checks checks;
-    checks
-        .Require(std::abs(rotation.norm() - 1) < 1e-3, "transform.rotation norm", rotation.norm(),
-                 "1")
-        .Require(place_m.allFinite(), "transform.translation", "not finite", "finite numbers");
-    if (!checks.ok()) {  // of some other joint, mostly
-      if (refused) refused = checks.error();
-      continue;
-    }
-    poses.push_back({.parent = std::string(RosText(one.header.frame_id)),
-                     .child = std::string(RosText(one.child_frame_id)),
-                     .parent_from_child = {rotation, place_m}});
-  }
-  if (poses.empty() && !refused) return tl::unexpected(refused.error());
-  return poses;
+Result<RosPose> FromRosTransform(const RosTransform& ros) {
+  const auto& place = ros.transform.translation;
+  const auto& turn = ros.transform.rotation;
+  const Eigen::Quaterniond rotation(turn.w, turn.x, turn.y, turn.z);
+  const Eigen::Vector3d place_m(place.x, place.y, place.z);
+  Checks checks;
+  checks
+      .Require(std::abs(rotation.norm() - 1) < 1e-3, "transform.rotation norm", rotation.norm(),
+               "1")
+      .Require(place_m.allFinite(), "transform.translation", "not finite", "finite numbers");
+  if (!checks.ok()) return tl::unexpected(checks.error());
+  return RosPose{.parent = std::string(RosText(ros.header.frame_id)),
+                 .child = std::string(RosText(ros.child_frame_id)),
+                 .parent_from_child = {rotation, place_m}};
 }
 
 Result<RosCamera> FromRosInfo(const RosCameraInfo& ros) {

@@ -86,8 +86,8 @@ struct RosPose {
   Pose parent_from_child = {};
 };
 
-/// The transforms that can be used; an error when all of one or more cannot.
-Result<std::vector<RosPose>> FromRosTransforms(const RosTransforms& ros);
+/// An error: its rotation is none, or its translation is not finite.
+Result<RosPose> FromRosTransform(const RosTransform& ros);
 
 /// A decoded picture of 8 or 16 bits (grey, BGR, BGRA) as grey or BGR, of as many bits.
 /// @param encoding  of the image before it was compressed: of a Bayer pattern, which grey pixels

@@ -29,38 +29,24 @@ struct StreamDeleter {
   void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
 };
 
-// A file in TMPDIR that goes away with this object; whoever has it open keeps its content.
-class TemporaryFile {
- public:
-  TemporaryFile() : path_((fs::temp_directory_path() / "sprout-XXXXXX").string()) {
-    const int descriptor = mkstemp(path_.data());
-    if (descriptor >= 0) close(descriptor);
-  }
-  ~TemporaryFile() {
-    std::error_code ignored;
-    fs::remove(path_, ignored);
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
-
 // Unpacks a file that is packed as a whole (rosbag2's --compression-mode file) into a temporary
-// one, in TMPDIR, which has no name any more when this returns. From a torn file all that is there
-// is unpacked.
+// one in TMPDIR, which has no name: it goes away with the program, however that ends. From a torn
+// file all that is there is unpacked.
 // @param magic  what its content must begin with; else nothing is unpacked.
 // @throws McapError when it begins otherwise, or there is no room for it.
 UnpackedFile UnpackFile(const fs::path& path, std::string_view magic) {
-  const TemporaryFile temporary;
-  std::ofstream to(temporary.path(), std::ios::binary);
+  std::string temporary = (fs::temp_directory_path() / "sprout-XXXXXX").string();
+  const int descriptor = mkstemp(temporary.data());
+  if (descriptor >= 0) close(descriptor);
+  UnpackedFile unpacked;
+  std::ofstream to(temporary, std::ios::binary);
+  unpacked.file.open(temporary, std::ios::binary);
+  std::error_code ignored;
+  fs::remove(temporary, ignored);  // who has it open keeps its content, and nobody else
   std::ifstream from(path, std::ios::binary);
   const std::unique_ptr<ZSTD_DCtx, StreamDeleter> context(ZSTD_createDCtx());
   std::vector<char> packed(ZSTD_DStreamInSize());
   std::vector<char> block(ZSTD_DStreamOutSize());
-  UnpackedFile unpacked;
   size_t result = 0;  // 0 at the end of a frame
   while (unpacked.complaint.empty() && from.read(packed.data(), std::ssize(packed)).gcount() > 0) {
     ZSTD_inBuffer in{packed.data(), static_cast<size_t>(from.gcount()), 0};
@@ -80,16 +66,15 @@ UnpackedFile UnpackFile(const fs::path& path, std::string_view magic) {
       to.write(block.data(), static_cast<std::streamsize>(out.pos));
       unpacked.size += out.pos;
     }
-    if (!to) throw McapError(path.string() + ": no room to unpack it in " + temporary.path());
+    if (!to) throw McapError(path.string() + ": no room to unpack it in " + temporary);
   }
   if (unpacked.size == 0) throw McapError(path.string() + ": no MCAP file in it");
   if (unpacked.complaint.empty() && result != 0) {
     unpacked.complaint = "the packed file ends before its content does";
   }
   to.close();
-  unpacked.file.open(temporary.path(), std::ios::binary);
   if (!to || !unpacked.file) {
-    throw McapError(path.string() + ": no room to unpack it in " + temporary.path());
+    throw McapError(path.string() + ": no room to unpack it in " + temporary);
   }
   return unpacked;
 }

@@ -26,7 +26,13 @@ void EventRing::DropOldest() {
 bool EventQueue::Put(QueuedEvent event) {
   const size_t memory = event.event.memory();
   const std::lock_guard lock(mutex_);
-  if (event.kind != QueuedEvent::Kind::kTrigger && bytes_ + memory > max_bytes_) return false;
+  if (bytes_ + memory > max_bytes_) {
+    if (event.kind != QueuedEvent::Kind::kTrigger) return false;
+    if (!events_.empty() && events_.back().kind == QueuedEvent::Kind::kTrigger) {
+      bytes_ -= events_.back().event.memory();
+      events_.pop_back();
+    }
+  }
   bytes_ += memory;
   events_.push_back(std::move(event));
   changed_.notify_one();

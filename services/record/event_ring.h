@@ -76,7 +76,8 @@ class EventQueue {
   /// @param max_bytes  most memory of waiting entries.
   explicit EventQueue(size_t max_bytes) : max_bytes_(max_bytes) {}
 
-  /// @returns false when it does not fit; a trigger always does.
+  /// @returns false when it does not fit. A trigger always does; in a full queue it replaces one
+  ///          that no message has followed.
   [[nodiscard]] bool Put(QueuedEvent event);
 
   /// Waits for the oldest one; nothing when none came in time, or when the queue is closed and

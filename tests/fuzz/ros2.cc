@@ -50,8 +50,9 @@ void ReadRosMessage(std::span<const uint8_t> bytes) {
         Check(!points || points->size() <= uint64_t{cloud.width} * cloud.height, "too many points");
       });
     case 4:
-      return ReadAs<RosTransforms>(
-          cdr, [](const RosTransforms& poses) { (void)FromRosTransforms(poses); });
+      return ReadAs<RosTransforms>(cdr, [](const RosTransforms& poses) {
+        for (const RosTransform& one : RosSpan(poses.transforms)) (void)FromRosTransform(one);
+      });
     case 5:
       return ReadAs<RosDisparity>(cdr, [](const RosDisparity&) {});
     default:

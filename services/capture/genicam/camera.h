@@ -39,6 +39,9 @@ class Camera {
   /// Stops the camera.
   ~Camera() = default;
 
+  /// Asks it to stop, and does not wait for it. Thread-safe.
+  void RequestStop() { thread_.request_stop(); }
+
   /// Starts an exposure, if the camera is connected (RigDescription::SOFTWARE). Thread-safe.
   void Trigger();
 

@@ -102,6 +102,16 @@ class GenicamSource : public RawSource {
     }
   }
 
+  // All at once: one that does not answer takes seconds.
+  ~GenicamSource() override {
+    for (std::jthread& trigger : triggers_) trigger.request_stop();
+    for (const auto& camera : cameras_) {
+      if (camera) camera->RequestStop();
+    }
+  }
+  GenicamSource(const GenicamSource&) = delete;
+  GenicamSource& operator=(const GenicamSource&) = delete;
+
   bool is_live() const override { return true; }
 
   std::optional<scenes::CapturedFrame> Next(const std::stop_token& stop) override {

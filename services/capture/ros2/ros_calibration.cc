@@ -20,6 +20,9 @@ constexpr int64_t kMaxOvertakenUs = 1'000'000;
 // Most frames of /tf whose poses are kept: trackers give what they see ever new names.
 constexpr size_t kMaxPoses = 10'000;
 
+// Most frames that are named whose transforms cannot be used.
+constexpr size_t kMaxUnusable = 20;
+
 // Whether rigs are equal but for the rounding of a pose that is made of others: /tf comes often.
 bool AreEqual(const RosRig& a, RosRig b) {
   constexpr double kRounding = 1e-7;  // m and rad
@@ -58,13 +61,21 @@ Result<bool> RosCalibration::TakeInfo(const RosBytes& message, std::optional<Nam
 Result<bool> RosCalibration::TakeTransforms(const RosBytes& message) {
   const Result<RosMessage<RosTransforms>> transforms = ReadCdr<RosTransforms>(message.cdr);
   if (!transforms) return tl::unexpected(transforms.error());
-  Result<std::vector<RosPose>> poses = FromRosTransforms(**transforms);
-  if (!poses) return tl::unexpected(poses.error());
-  for (RosPose& pose : *poses) {
-    if (poses_.size() == kMaxPoses && !poses_.contains(pose.child)) continue;
-    poses_.insert_or_assign(pose.child, std::move(pose));
+  bool is_any_usable = false;
+  Result<bool> outcome = false;
+  for (const RosTransform& one : RosSpan((*transforms)->transforms)) {
+    Result<RosPose> pose = FromRosTransform(one);
+    if (!pose) {  // of some other joint, mostly
+      if (outcome) outcome = tl::unexpected(pose.error());
+      if (unusable_.size() < kMaxUnusable) unusable_.emplace(RosText(one.child_frame_id));
+      continue;
+    }
+    is_any_usable = true;
+    if (poses_.size() == kMaxPoses && !poses_.contains(pose->child)) continue;
+    unusable_.erase(pose->child);
+    poses_.insert_or_assign(pose->child, *std::move(pose));
   }
-  return true;
+  return is_any_usable ? true : outcome;
 }
 
 Result<bool> RosCalibration::Take(const RosBytes& message) {
@@ -147,6 +158,8 @@ std::string RosCalibration::MissingTransform() const {
   }
   if (count == 0) text += " none";
   if (count > kMost) text += " and " + std::to_string(count - kMost) + " more";
+  if (!unusable_.empty()) text += "; not usable (no rotation, or not finite):";
+  for (const std::string& child : unusable_) text += " " + child;
   return text + "; allowed: tf=TOPIC, or pose=x,y,z,qx,qy,qz,qw of the range sensor";
 }
 

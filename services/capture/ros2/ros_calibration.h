@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -67,6 +68,7 @@ class RosCalibration {
   std::optional<Named> depth_;
   std::optional<std::string> points_frame_;
   std::map<std::string, RosPose> poses_;  // by child
+  std::set<std::string> unusable_;        // children whose newest transform is no pose
   int64_t changed_utime_ = 0;
 };
 

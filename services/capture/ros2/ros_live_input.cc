@@ -203,6 +203,8 @@ class LiveInput : public RosInput {
   }
 
   void LookAt(LiveTopic& topic, Clock::time_point now) {
+    std::erase_if(topic.publishers,
+                  [&](const auto& one) { return one.second + kPublisherLives < now; });
     if (topic.role == RosRole::kTf) return;  // once is enough, and everybody may
     Adapt(topic, node_->PublishersOf(topic.name, topic.type()));
     // A latched calibration needs no second message.
@@ -213,8 +215,6 @@ class LiveInput : public RosInput {
                                 PublishersText(topic)));
       topic.next_reminder = now + kReminder;
     }
-    std::erase_if(topic.publishers,
-                  [&](const auto& one) { return one.second + kPublisherLives < now; });
     const size_t count = topic.publishers.size();
     if (count > 1 && count != topic.told_publishers) {
       reports_.tell(fmt::format("{} publishers on {}; allowed is one", count, topic.name));

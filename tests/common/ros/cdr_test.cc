@@ -98,7 +98,7 @@ void Convert(const T& message) {
   } else if constexpr (std::is_same_v<T, RosPointCloud>) {
     (void)FromRosCloud(message);
   } else if constexpr (std::is_same_v<T, RosTransforms>) {
-    (void)FromRosTransforms(message);
+    for (const RosTransform& one : RosSpan(message.transforms)) (void)FromRosTransform(one);
   }
 }
 

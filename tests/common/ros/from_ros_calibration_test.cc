@@ -160,25 +160,26 @@ TEST(FromRos, TheTofCameraComesBack) {
   ASSERT_TRUE(info) << ErrorOf(info);
   ASSERT_TRUE(info->lens) << ErrorOf(info->lens);
   EXPECT_EQ(info->lens->distortion, tof.distortion);
-  const auto poses = FromRosTransforms(*ToRosTransforms(1, examples::Rig(), {}));
-  ASSERT_TRUE(poses) << ErrorOf(poses);
-  ASSERT_EQ(poses->size(), 2U);
-  EXPECT_EQ((*poses)[0].parent_from_child.translation_m, Eigen::Vector3d(0.125, 0, 0));
-  EXPECT_EQ((*poses)[1].child, "sprout_tof_optical_frame");
-  EXPECT_EQ((*poses)[1].parent_from_child.translation_m, tof.left_from_tof_translation_m);
-  EXPECT_EQ((*poses)[1].parent_from_child.rotation.coeffs(), tof.left_from_tof_rotation.coeffs());
+  const auto transforms = ToRosTransforms(1, examples::Rig(), {});
+  const auto both = RosSpan(transforms->transforms);
+  ASSERT_EQ(both.size(), 2U);
+  const auto right = FromRosTransform(both[0]);
+  ASSERT_TRUE(right) << ErrorOf(right);
+  EXPECT_EQ(right->parent_from_child.translation_m, Eigen::Vector3d(0.125, 0, 0));
+  const auto pose = FromRosTransform(both[1]);
+  ASSERT_TRUE(pose) << ErrorOf(pose);
+  EXPECT_EQ(pose->child, "sprout_tof_optical_frame");
+  EXPECT_EQ(pose->parent_from_child.translation_m, tof.left_from_tof_translation_m);
+  EXPECT_EQ(pose->parent_from_child.rotation.coeffs(), tof.left_from_tof_rotation.coeffs());
 }
 
-TEST(FromRos, ATransformThatCannotBeIsLeftOut) {
+TEST(FromRos, ATransformThatCannotBeIsRefused) {
   const auto transforms = ToRosTransforms(1, examples::Rig(), {});
-  const auto all = RosSpan(transforms->transforms);
-  all[0].transform.rotation = {0, 0, 0, 0};  // of another joint
-  const auto poses = FromRosTransforms(*transforms);
-  ASSERT_TRUE(poses) << ErrorOf(poses);
-  ASSERT_EQ(poses->size(), 1U);
-  EXPECT_EQ((*poses)[0].child, "sprout_tof_optical_frame");
-  all[1].transform.rotation = {0, 0, 0, 0};
-  EXPECT_THAT(ErrorOf(FromRosTransforms(*transforms)), HasSubstr("transform.rotation norm"));
+  RosTransform& one = RosSpan(transforms->transforms)[0];
+  one.transform.translation.y = std::nan("");
+  EXPECT_THAT(ErrorOf(FromRosTransform(one)), HasSubstr("transform.translation = not finite"));
+  one.transform.rotation = {0, 0, 0, 0};
+  EXPECT_THAT(ErrorOf(FromRosTransform(one)), HasSubstr("transform.rotation norm"));
 }
 
 }  // namespace

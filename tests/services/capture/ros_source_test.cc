@@ -319,6 +319,19 @@ TEST(RosSource, SaysWhatIsMissing) {
                         "transforms there: sprout_left_optical_frame > sprout_right_optical_frame "
                         "sprout_left_optical_frame > sprout_tof_optical_frame; allowed: tf=TOPIC, "
                         "or pose=x,y,z,qx,qy,qz,qw of the range sensor"));
+  {
+    Rig rig = examples::Rig();
+    rig.tof.left_from_tof_translation_m.x() = std::nan("");
+    RosRecording file(folder / "file");
+    file.AddCalibration(rig);
+    file.AddImage("/left/image", kStart, Grey(1));
+    file.AddImage("/right/image", kStart, Grey(1));
+    file.Add("/points", ToRosCloud({kStart, "sprout_tof_optical_frame"}, {}));
+    file.Finish();
+  }
+  EXPECT_THAT(Complaint(Source(folder, "&points=/points")),
+              HasSubstr("not usable (no rotation, or not finite): sprout_tof_optical_frame; "
+                        "allowed: tf=TOPIC"));
   EXPECT_THAT(Complaint(Source(folder, "&points=/lidar&tf=/robot/tf")),
               HasSubstr("no topic /lidar, /robot/tf; topics in"));
   EXPECT_THAT(Complaint("mcap:/nowhere?left=a&right=b"), HasSubstr("cannot be opened"));

@@ -66,6 +66,21 @@ TEST(EventQueue, RefusesWhatDoesNotFitButATrigger) {
   EXPECT_TRUE(queue.Put({.event = MakeRecorded(4)}));
 }
 
+TEST(EventQueue, ManyTriggersTakeNoMoreMemoryThanFits) {
+  const size_t room = 3 * MakeRecorded(0).memory();
+  EventQueue queue(room);
+  EXPECT_TRUE(queue.Put({.event = MakeRecorded(0)}));
+  for (int i = 1; i <= 100; ++i) {
+    EXPECT_TRUE(queue.Put({.kind = QueuedEvent::Kind::kTrigger,
+                           .event = MakeRecorded(i),
+                           .trigger = std::to_string(i)}));
+  }
+  EXPECT_LE(queue.bytes(), room);
+  std::string newest;
+  while (auto event = queue.TakeWithin(milliseconds(0))) newest = event->trigger;
+  EXPECT_EQ(newest, "100");
+}
+
 TEST(EventQueue, GivesOutWhatIsLeftWhenItIsClosed) {
   EventQueue queue(10'000);
   EXPECT_FALSE(queue.TakeWithin(milliseconds(1)));
