@@ -3,6 +3,7 @@
 #include <cctype>
 #include <map>
 #include <opencv2/core/persistence.hpp>
+#include <string>
 #include <string_view>
 
 #include "common/config/config_error.h"
@@ -33,6 +34,9 @@ const Names kSize = {"imagesize", "size", "imgsize", "framesize", "resolution"};
 const Names kWidth = {"imagewidth", "width", "leftwidth", "imgwidth"};
 const Names kHeight = {"imageheight", "height", "leftheight", "imgheight"};
 
+// A calibration has some 4.
+constexpr int kMaxDepth = 100;
+
 // "LEFT.K" and "left_k" are one name.
 std::string Plain(std::string_view name) {
   std::string plain;
@@ -49,12 +53,32 @@ std::string TextOf(const Names& names) {
   return text;
 }
 
+// How deep lists, maps (YAML, JSON) and elements (XML) of a text lie in each other, at most. OpenCV
+// reads them by recursion.
+int DepthOf(std::string_view text) {
+  int depth = 0;
+  int most = 0;
+  char before = ' ';
+  for (size_t i = 0; i < text.size(); before = text[i++]) {
+    const char c = text[i];
+    const char next = i + 1 < text.size() ? text[i + 1] : ' ';
+    const bool is_element = c == '<' && next != '/' && next != '?' && next != '!';
+    if (c == '[' || c == '{' || is_element) most = std::max(most, ++depth);
+    if (c == ']' || c == '}' || (c == '<' && next == '/') || (c == '>' && before == '/')) --depth;
+  }
+  return most;
+}
+
 // All entries of the files, by their plain names.
 class Entries {
  public:
   explicit Entries(const std::vector<ForeignFile>& files) {
     for (const ForeignFile& file : files) {
       where_ += (where_.empty() ? "" : ", ") + file.path.string();
+      if (const int depth = DepthOf(file.text); depth > kMaxDepth) {
+        throw ConfigError(file.path.string() + ": lists or elements within each other = " +
+                          std::to_string(depth) + ", allowed: up to " + std::to_string(kMaxDepth));
+      }
       try {
         // A format that is not written down is that of the text's begin.
         cv::FileStorage& storage =

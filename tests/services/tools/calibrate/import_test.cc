@@ -173,6 +173,18 @@ std::string RosYaml(const cv::Size& size, const std::string& name, const cv::Mat
 }
 
 // The poses of both cameras are in R and P of their files alone.
+TEST_F(Import, RefusesWhatOpencvWouldReadByEndlessRecursion) {
+  constexpr int kDeep = 200'000;
+  std::string tags;
+  for (int i = 0; i < kDeep; ++i) tags += "<a>";
+  const std::string list(kDeep, '[');
+  for (const std::string& text : {"%YAML:1.0\n---\na: " + list, "{\"a\": " + list,
+                                  "<?xml version=\"1.0\"?>\n<opencv_storage>" + tags}) {
+    EXPECT_THAT(Refusal({Write("deep.yml", text)}),
+                HasSubstr("lists or elements within each other = 20000"));
+  }
+}
+
 TEST_F(Import, CameraInfoFilesOfRos) {
   cv::Mat r1, r2, p1, p2, q;
   cv::stereoRectify(truth_.k1, truth_.d1, truth_.k2, truth_.d2, truth_.size, truth_.r, truth_.t, r1,
