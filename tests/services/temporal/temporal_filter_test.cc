@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "services/temporal/confidence_scale.h"
 #include "tests/common/testing/instruction_sets.h"
 #include "tests/services/temporal/drive.h"
 
@@ -39,6 +40,26 @@ TEST(TemporalFilter, SteadiesAStillSceneAndStandsStill) {
   EXPECT_LT(ErrorOf(output.disparity, scene), 0.45 * single);
   EXPECT_LT(output.motion.start_from_left.translation_m.norm(), 0.001);
   EXPECT_GT(cv::mean(output.confidence)[0], 230);
+}
+
+// Twelve frames that err alike are no surer than (T9) says.
+TEST(TemporalFilter, SharesHalfOfTheVarianceOfOneFrame) {
+  constexpr uint8_t kOfOne = 200;
+  const ConfidenceScale scale;
+  const uint8_t most = scale.ConfidenceOf(scale.variances()[kOfOne] / 2);
+  ASSERT_GT(most, kOfOne + 20);
+  ASSERT_LT(most, 250);
+  TemporalFilter filter(Defaults());
+  const MovingScene scene = SceneFrom(MovedBy(0, 0, 0));
+  TemporalOutput output;
+  for (int i = 0; i < 12; ++i) {
+    TemporalInput input = FrameFrom(scene, i, kNoisePx);
+    input.confidence.setTo(kOfOne);
+    output = filter.Compute(input);
+  }
+  double largest = 0;
+  cv::minMaxLoc(output.confidence, nullptr, &largest);
+  EXPECT_EQ(largest, most);
 }
 
 TEST(TemporalFilter, MovesTheMapWithTheCamera) {
@@ -153,7 +174,7 @@ TEST(TemporalFilter, IsNoSurerOfAFrozenPicture) {
   again.left = again.left.clone();
   again.left(0, 0) ^= 1;
   for (int i = 0; i < 4; ++i) moving = other.Compute(drive[static_cast<size_t>(i)]);
-  EXPECT_GT(cv::mean(other.Compute(again).confidence)[0], cv::mean(moving.confidence)[0]);
+  EXPECT_FALSE(IsSame(other.Compute(again).disparity.counts(), moving.disparity.counts()));
 }
 
 TEST(TemporalFilter, BeginsAnewAfterReset) {
