@@ -48,6 +48,11 @@ void PutFirst(StageResult& result, const std::string& finding) {
   result.range_error = finding + (others.empty() ? "" : "; " + others);
 }
 
+// The disparity of a point at infinity, rounded up; 0 where it is negative.
+int InfinityPx(const RectifiedPair& pair) {
+  return static_cast<int>(std::ceil(std::clamp<double>(pair.cx - pair.cx_right, 0, pair.width)));
+}
+
 }  // namespace
 
 // Rays are computed once a calibration.
@@ -129,6 +134,7 @@ RefineAdapter::Refined RefineAdapter::RefineWhole(const Frame& frame) {
   // Some points and matches are wrong in every frame, and a longer search finds more wrong ones.
   constexpr double kMinShare = 0.01;
   refiner_.SetColumns(0);  // also after a frame that ended with an exception
+  refiner_.SetInfinity(InfinityPx(frame.rig->pair));
   const int columns = ColumnsBelowZero(frame.rig->pair);
   if (columns == 0 || frame.left.size() != frame.rig->pair.size()) return RefineFrom0(frame);
   if (columns > kMaxColumns) {

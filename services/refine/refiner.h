@@ -57,6 +57,9 @@ class Refiner {
   /// Widened(); 0: none.
   void SetColumns(int columns) { stereo_.SetColumns(columns); }
 
+  /// The disparity of a point at infinity in the next frames, px, ≥ 0.
+  void SetInfinity(int disparity_px) { stereo_.SetInfinity(disparity_px); }
+
   /// Whether most points of the last call that are neither outside nor dark were loose: then all
   /// are.
   bool are_noise() const { return are_noise_; }

@@ -20,9 +20,9 @@ struct StereoRules {
   static constexpr int kCoarseStep = 6;
   /// Smallest side of a cell, px of the matched image.
   static constexpr double kMinSpacingPx = 4;
-  /// The largest disparity is this part of the image width when stereo_max_disparity_px is 0. With
-  /// a focal length of f image widths that is z > 5 f baselines: indoors and on roads nothing is
-  /// nearer.
+  /// The largest disparity is this part of the image width beyond that of infinity when
+  /// stereo_max_disparity_px is 0. With a focal length of f image widths that is z > 5 f baselines:
+  /// indoors and on roads nothing is nearer.
   static constexpr int kWidthsPerDisparity = 5;
   /// From so many cells a point on, points are coarse: a cell beside one is not explained by it,
   /// and they show the shape of the scene as well as their noise.

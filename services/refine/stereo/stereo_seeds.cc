@@ -202,7 +202,8 @@ void StereoSeedFinder::TakeFrom(const cv::Mat1b& left, const cv::Mat1b& right, c
 // @param width  of the images, with so many columns more than the cameras'.
 StereoMatcherSettings StereoSeedFinder::SettingsFor(int width, int columns) const {
   const int most = config_.stereo_max_disparity_px();
-  const int of_camera = most > 0 ? most : (width - columns) / StereoRules::kWidthsPerDisparity;
+  const int of_camera =
+      most > 0 ? most : (width - columns) / StereoRules::kWidthsPerDisparity + infinity_px_;
   return {.max_disparity_px = std::clamp(of_camera + columns, 1, width),
           .most_pixels = config_.stereo_most_pixels()};
 }

@@ -59,6 +59,10 @@ class StereoSeedFinder {
   /// larger (see Widened()): the search reaches as much farther.
   void SetColumns(int columns) { columns_ = columns; }
 
+  /// The disparity of a point at infinity in the next calls, px, ≥ 0: without
+  /// stereo_max_disparity_px the search reaches as much farther.
+  void SetInfinity(int disparity_px) { infinity_px_ = disparity_px; }
+
   /// Side of the cells of an image of this width, px.
   double SpacingPx(int width) const;
 
@@ -75,6 +79,7 @@ class StereoSeedFinder {
 
   RefineConfig config_;
   int columns_ = 0;
+  int infinity_px_ = 0;
   StereoMatcher matcher_;
   PointSurface points_;
   cv::Mat1b uncovered_;                   // cells that want a seed

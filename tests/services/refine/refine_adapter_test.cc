@@ -210,6 +210,26 @@ TEST(RefineAdapter, DropsStereoSeedsThatAreNearerThanZonesAllow) {
   }
 }
 
+// A pair that is toed in or cropped, cx > cx_right: 32 px are beyond a fifth of the width, 20 px,
+// but 12 px nearer than infinity.
+TEST(RefineAdapter, SearchesBeyondTheDisparityOfInfinity) {
+  constexpr int kInfinity = 20;
+  Scene scene = TexturedScene();
+  scene.tof = {};
+  scene.rig.pair.cx_right = scene.rig.pair.cx;
+  const auto seeds = [](const Scene& of) {
+    const StageResult outcome = RefineAdapter{RefineConfig()}.Process(FrameOf(of));
+    return std::get<SeedSet>(outcome.outputs.at(0).value).seeds;
+  };
+  const size_t before = seeds(scene).size();
+  scene.rig.pair.cx_right -= kInfinity;
+  scene.right.colRange(kInfinity, 100).clone().copyTo(scene.right.colRange(0, 100 - kInfinity));
+  scene.right.colRange(100 - kInfinity, 100).setTo(0);
+  const std::vector<Seed> after = seeds(scene);
+  EXPECT_GT(after.size(), before / 2);  // fewer columns are in both images
+  for (const Seed& seed : after) EXPECT_NEAR(seed.disparity(), 12 + kInfinity, 0.5);
+}
+
 TEST(RefineAdapter, SaysWhatIsWrongWithZones) {
   RefineAdapter adapter{RefineConfig()};
   Frame frame = FrameOf(TexturedScene());
