@@ -22,6 +22,17 @@ Findings NoneCanTell(const std::string& why) {
   return findings;
 }
 
+// No ranges show the scale, but few rigs are so wide.
+void SayBaseline(const RectifiedPair& pair, Finding& scale) {
+  constexpr double kWidestM = 5;
+  if (scale.verdict != Verdict::kCannotTell || pair.baseline_m <= kWidestM) return;
+  scale.verdict = Verdict::kBad;
+  scale.text = fmt::format(
+      "the cameras are {:.4g} m apart, and no range shows that it is so: is the calibration in mm? "
+      "it has to be in m",
+      pair.baseline_m);
+}
+
 }  // namespace
 
 Findings CheckInputs(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
@@ -35,9 +46,12 @@ Findings CheckInputs(const cv::Mat1b& left, const cv::Mat1b& right, const TofIma
   std::optional<RangeModel> ranges;
   if (projector != nullptr) ranges = CompareRanges(model.inliers, tof, *projector);
   Findings findings = JudgePair(left, right, pair, matches, model, ranges ? &*ranges : nullptr);
-  const bool fits = std::ranges::none_of(
-      findings, [](const Finding& finding) { return finding.verdict == Verdict::kBad; });
+  // Stereo's places do not depend on one contrast.
+  const bool fits = std::ranges::none_of(findings, [](const Finding& finding) {
+    return finding.verdict == Verdict::kBad && finding.question != Question::kContrast;
+  });
   for (Finding& finding : JudgeRanges(ranges ? &*ranges : nullptr, fits)) {
+    if (finding.question == Question::kScale) SayBaseline(pair, finding);
     findings.push_back(std::move(finding));
   }
   return findings;

@@ -11,15 +11,16 @@ namespace sprout::inputs {
 
 /// What is asked of every frame.
 enum class Question {
-  kScene,   ///< do both images show one scene?
-  kTime,    ///< at one time?
-  kSides,   ///< is the left image the left one, and do disparities begin at infinity?
-  kRows,    ///< do equal rows show equal things?
-  kBits,    ///< do the images use the bits of their format?
-  kHits,    ///< are there range points, and do they fall into the picture?
-  kPlace,   ///< is the range image the right way up, and not mirrored?
-  kScale,   ///< do ranges and stereo agree in scale?
-  kMoment,  ///< do the ranges show what the images show?
+  kScene,     ///< do both images show one scene?
+  kTime,      ///< at one time?
+  kSides,     ///< is the left image the left one, and do disparities begin at infinity?
+  kRows,      ///< do equal rows show equal things?
+  kBits,      ///< do the images use the bits of their format?
+  kContrast,  ///< do both images show things with one contrast?
+  kHits,      ///< are there range points, and do they fall into the picture?
+  kPlace,     ///< is the range image the right way up, and not mirrored?
+  kScale,     ///< do ranges and stereo agree in scale?
+  kMoment,    ///< do the ranges show what the images show?
 };
 inline constexpr int kQuestionCount = static_cast<int>(Question::kMoment) + 1;
 
@@ -43,7 +44,7 @@ struct Finding {
   std::string text = {};
 };
 
-/// "scene", "time", "sides", "rows", "bits", "hits", "place", "scale", "moment".
+/// "scene", "time", "sides", "rows", "bits", "contrast", "hits", "place", "scale", "moment".
 std::string_view NameOf(Question question);
 /// "good", "bad", "cannot tell".
 std::string_view NameOf(Verdict verdict);

@@ -11,7 +11,7 @@
 
 namespace sprout::inputs {
 
-/// Findings kScene to kBits, in their order.
+/// Findings kScene to kContrast, in their order.
 /// @param ranges  null when there is no range image.
 Findings JudgePair(const cv::Mat1b& left, const cv::Mat1b& right, const RectifiedPair& pair,
                    const Matches& matches, const PairModel& model, const RangeModel* ranges);

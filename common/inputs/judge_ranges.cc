@@ -19,6 +19,8 @@ struct RangeVerdicts {
   /// Share of those in the left picture that has to hit the right one, too, where there are many.
   static constexpr double kHitsBoth = 0.05;
   static constexpr int kManyInPicture = 100;
+  /// Share of the matches that agrees with a background of one range.
+  static constexpr double kBackground = 0.2;
   static constexpr double kGood = 0.7;  ///< share that agrees: 0.81 to 1 in good frames
   static constexpr double kOfOneMoment = 0.8;
   static constexpr double kHalf = 0.5;
@@ -112,6 +114,15 @@ Finding JudgeHits(const RangeModel& model) {
         "in which unit are ranges (--tof-unit), where does the range sensor stand (rig file), and "
         "do focal length and baseline belong to these images?",
         model.in_picture - model.in_both, model.in_picture);
+    return finding;
+  }
+  const RepeatedRange& repeated = model.repeated;
+  if (repeated.count > 0 && repeated.agreeing <= RangeVerdicts::kBackground * repeated.compared) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format(
+        "{} pixels of the range image have exactly {:.3f} m, and no other more than {:.3f} m: is "
+        "that what the sensor says where it measures nothing? give 0 there",
+        repeated.count, repeated.depth_m, repeated.next_m);
     return finding;
   }
   if (model.returns > 0 && share >= RangeVerdicts::kHits) {

@@ -366,6 +366,7 @@ RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
   RangeModel model;
   const std::vector<RangePixel> all = Collect(tof, model);
   if (all.empty()) return model;
+  model.repeated = FindRepeatedRange(matches, tof, projector);
   const RectifiedPair& pair = projector.rig().pair;
   const Comparison comparison(matches, projector);
   const std::vector<RangePixel> pixels = Chosen(all, RangeRules::kMaxPoints);

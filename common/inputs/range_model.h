@@ -9,6 +9,7 @@
 #include "common/geometry/projection.h"
 #include "common/inputs/feature_matches.h"
 #include "common/inputs/pair_model.h"
+#include "common/inputs/repeated_range.h"
 
 namespace sprout::inputs {
 
@@ -72,6 +73,7 @@ struct RangeModel {
   int apart = 0;       ///< pairs that differ by more than a tenth
   int in_picture = 0;  ///< values that fall into the left image; estimated from a part of them
   int in_both = 0;     ///< values that fall into both images; estimated, too
+  RepeatedRange repeated;
   Agreement as_is;
   Agreement scaled;   ///< of other factors the best, if as_is is not good
   Agreement turned;   ///< of other turns the best; by 90° only if as_is is not good

@@ -178,7 +178,8 @@ void BindInputs(py::module_& module) {
   py::class_<inputs::Finding>(module, "Finding", "The answer to one question of check_inputs().")
       .def_property_readonly(
           "question", [](const inputs::Finding& f) { return std::string(NameOf(f.question)); },
-          "str: 'scene', 'time', 'sides', 'rows', 'bits', 'hits', 'place', 'scale' or 'moment'.")
+          "str: 'scene', 'time', 'sides', 'rows', 'bits', 'contrast', 'hits', 'place', 'scale' or "
+          "'moment'.")
       .def_property_readonly(
           "verdict", [](const inputs::Finding& f) { return std::string(NameOf(f.verdict)); },
           "str: 'good', 'bad' or 'cannot tell'.")

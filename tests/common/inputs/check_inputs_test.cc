@@ -62,6 +62,42 @@ TEST(CheckInputs, SaysThatAnImageIsBlank) {
   EXPECT_THAT(finding.text, HasSubstr("right image is blank"));
 }
 
+TEST(CheckInputs, MeasuresOneContrast) {
+  for (const double contrast : {0.25, 0.7, 1.0, 1.5}) {
+    Parts parts = SceneOf();
+    parts.left = cv::Mat(parts.left * 0.6);
+    parts.right = cv::Mat(parts.right * 0.6 * contrast);
+    const Finding finding = parts.Answer(Question::kContrast);
+    EXPECT_NEAR(finding.value, contrast, 0.03);
+    EXPECT_EQ(finding.verdict, contrast == 1 ? Verdict::kGood : Verdict::kBad);
+    EXPECT_EQ(parts.Answer(Question::kScale).verdict, Verdict::kGood) << "asked all the same";
+  }
+}
+
+TEST(CheckInputs, AsksForANumberThatMayMeanNothing) {
+  Parts parts = SceneOf();
+  const cv::Rect hole(40, 30, 14, 12);
+  parts.tof.depth_m(hole).setTo(32.767F);
+  const Finding finding = parts.Answer(Question::kHits);
+  EXPECT_EQ(finding.verdict, Verdict::kBad);
+  EXPECT_THAT(finding.text, HasSubstr("168 pixels of the range image have exactly 32.767 m"));
+  // A wall of one distance is where stereo sees it, too.
+  parts = SceneOf("synthetic:640x480?tof=grid");
+  double far = 0;
+  cv::minMaxLoc(parts.tof.depth_m, nullptr, &far);
+  parts.tof.depth_m.setTo(far, parts.tof.depth_m > 0.97 * far);
+  EXPECT_EQ(parts.Answer(Question::kHits).verdict, Verdict::kGood);
+}
+
+TEST(CheckInputs, AsksForAScaleThatNothingShows) {
+  Parts parts = SceneOf();
+  parts.rig.pair.baseline_m *= 1000;
+  parts.tof = {};
+  const Finding finding = parts.Answer(Question::kScale);
+  EXPECT_EQ(finding.verdict, Verdict::kBad);
+  EXPECT_THAT(finding.text, HasSubstr("m apart"));
+}
+
 TEST(CheckInputs, SaysThatPrincipalPointsDoNotFit) {
   Parts parts = SceneOf();
   parts.rig.pair.cx_right -= 40;  // nearer surfaces have more than 40 px of disparity
