@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <map>
 #include <numeric>
+#include <utility>
 
 #include "common/core/number_text.h"
 
@@ -98,6 +100,47 @@ std::optional<std::vector<int64_t>> Stamps(const Keys& keys) {
     stamps.push_back(*stamp);
   }
   return stamps;
+}
+
+// The part of each name from a number of seconds on, with its fraction. Names of one second begin
+// alike, so Differences() would take the seconds for what all names begin with.
+Keys TimesIn(const Keys& stems) {
+  constexpr size_t kSeconds = 10;
+  constexpr size_t kNanoseconds = 9;
+  Keys keys;
+  for (const std::string& stem : stems) {
+    const Tokens tokens = Split(stem);
+    std::string& key = keys.emplace_back();
+    for (size_t i = 0; i < tokens.size() && key.empty(); ++i) {
+      if (!IsDigit(tokens[i].front()) || tokens[i].size() < kSeconds) continue;
+      const bool has_fraction = tokens[i].size() == kSeconds && i + 2 < tokens.size() &&
+                                IsDigit(tokens[i + 2].front()) &&
+                                (tokens[i + 1] == "." || tokens[i + 2].size() == kNanoseconds);
+      // Ten digits alone may be a serial number.
+      if (tokens[i].size() == kSeconds && !has_fraction) continue;
+      key = tokens[i];
+      if (!has_fraction) continue;
+      key += tokens[i + 1];
+      key += tokens[i + 2];
+    }
+  }
+  // A number that all names have is no time, but a serial number.
+  if (std::ranges::adjacent_find(keys, std::not_equal_to<>()) == keys.end()) {
+    keys.assign(keys.size(), "");
+  }
+  return keys;
+}
+
+// Two files of one folder that have one key.
+std::optional<std::string> Doubled(std::span<const std::string> paths, const Keys& keys) {
+  std::map<std::pair<std::filesystem::path, std::string>, size_t> places;
+  for (size_t i = 0; i < keys.size(); ++i) {
+    if (keys[i].empty()) continue;
+    const auto folder = std::filesystem::path(paths[i]).parent_path();
+    const auto [before, is_new] = places.try_emplace({folder, keys[i]}, i);
+    if (!is_new) return paths[before->second] + " and " + paths[i];
+  }
+  return std::nullopt;
 }
 
 // The indices of a list in its order.
@@ -235,7 +278,8 @@ Result<PairedNames> PairNames(std::span<const std::string> first,
   if (first.empty() || second.empty()) return Fail("no file");
   const Keys stems[] = {Stems(first), Stems(second)};
   const Keys differences[] = {Differences(first), Differences(second)};
-  for (const auto& keys : {stems, differences}) {
+  const Keys times[] = {TimesIn(stems[0]), TimesIn(stems[1])};
+  for (const auto& keys : {stems, times, differences}) {
     const auto stamps_first = Stamps(keys[0]);
     const auto stamps_second = Stamps(keys[1]);
     if (stamps_first && stamps_second) {
@@ -249,6 +293,15 @@ Result<PairedNames> PairNames(std::span<const std::string> first,
   for (const auto& keys : {stems, differences}) {
     if (std::optional<PairedNames> paired = ByKey(Normal(keys[0]), Normal(keys[1])))
       return *std::move(paired);
+  }
+  // Numbers with a point: 0.05 and 0.5 are not one, nor are they doubled.
+  const std::optional<PairedNames> same = ByKey(stems[0], stems[1]);
+  if (same && same->alone_first.empty() && same->alone_second.empty()) return *same;
+  // In their order all files behind a doubled one would get a wrong partner.
+  for (const auto& keys : {stems, differences}) {
+    std::optional<std::string> doubled = Doubled(first, Normal(keys[0]));
+    if (!doubled) doubled = Doubled(second, Normal(keys[1]));
+    if (doubled) return Fail(*doubled + " have one name or number; allowed: one of them");
   }
   if (first.size() != second.size()) {
     return Fail("neither times nor names say which of " + std::to_string(first.size()) + " and " +

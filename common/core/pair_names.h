@@ -37,10 +37,11 @@ struct PairedNames {
 };
 
 /// Joins the files of two cameras, the same way wherever Sprout reads folders. By the times in
-/// their names where all have one (see StampOf()): each with the nearest of the other list, where
-/// this holds both ways. Otherwise by equal names: without the extension, or without what all names
-/// of a list begin and end with (left_7.png and right_007.png belong together, and x/im0.png and
-/// x/im1.png). Otherwise by their order, which needs lists of one length.
+/// their names where all have one (see StampOf()), also behind or before other words: each with the
+/// nearest of the other list, where this holds both ways. Otherwise by equal names: without the
+/// extension, or without what all names of a list begin and end with (left_7.png and right_007.png
+/// belong together, and x/im0.png and x/im1.png). Otherwise by their order, which needs lists of
+/// one length, and no two files of a folder with one name or number (2.png and 02.png, or 2.jpg).
 /// @param first, second   paths; each list without repetitions.
 /// @param max_spread_ms   by time: largest difference.
 /// @returns the pairs, or why there is none. O(n log n).

@@ -47,6 +47,41 @@ TEST(PairNames, RefusesTimesThatAreFurtherApartThanAllowed) {
   EXPECT_EQ(PairNames(left, right, 30)->pairs.size(), 2U);
 }
 
+TEST(PairNames, TakesTimesOfOneSecondBehindOtherWords) {
+  const Names left = {"l/left_1403636579.100000.png", "l/left_1403636579.150000.png",
+                      "l/left_1403636579.250000.png"};
+  const Names right = {"r/right_1403636579.150500.png", "r/right_1403636579.200500.png",
+                       "r/right_1403636579.250500.png"};
+  EXPECT_THAT(PairsOf(left, right),
+              ElementsAre(left[1] + '=' + right[0], left[2] + '=' + right[2]));
+  EXPECT_EQ(RuleOf(left, right), PairedBy::kTime);
+  EXPECT_THAT(PairsOf({"1403636579763_l.png", "1403636579863_l.png"},
+                      {"1403636579765_r.png", "1403636579965_r.png"}),
+              ElementsAre("1403636579763_l.png=1403636579765_r.png"));
+}
+
+TEST(PairNames, TakesNoSerialNumberForATime) {
+  EXPECT_THAT(PairsOf({"1234567890123_1.png", "1234567890123_2.png"},
+                      {"1234567890456_2.png", "1234567890456_3.png"}),
+              ElementsAre("1234567890123_2.png=1234567890456_2.png"));
+  EXPECT_THAT(PairsOf({"1234567890_1.1.png", "1234567890_1.2.png"},
+                      {"1234567899_1.2.png", "1234567899_1.3.png"}),
+              ElementsAre("1234567890_1.2.png=1234567899_1.2.png"));
+}
+
+TEST(PairNames, NamesAFrameThatIsThereTwice) {
+  EXPECT_THAT(PairsOf({"l/0.png", "l/02.png", "l/1.png", "l/2.png"},
+                      {"r/0.png", "r/1.png", "r/2.png", "r/3.png"}),
+              ElementsAre("l/02.png and l/2.png have one name or number; allowed: one of them"));
+  EXPECT_THAT(PairsOf({"l/1.png", "l/2.png", "l/3.png"}, {"r/0002.jpg", "r/0002.png", "r/4.png"}),
+              ElementsAre(HasSubstr("r/0002.jpg and r/0002.png have one name or number")));
+  EXPECT_THAT(PairsOf({"l_2.png", "l_02.png", "l_3.png"}, {"r_2.png", "r_3.png", "r_4.png"}),
+              ElementsAre(HasSubstr("l_2.png and l_02.png have one name or number")));
+  // Numbers with a point.
+  EXPECT_THAT(PairsOf({"l/0.05.png", "l/0.5.png"}, {"r/0.05.png", "r/0.5.png"}),
+              ElementsAre("l/0.05.png=r/0.05.png", "l/0.5.png=r/0.5.png"));
+}
+
 TEST(PairNames, GivesNoImageTwoPartners) {
   const Names left = {"1403636579763.png", "1403636579767.png"};
   EXPECT_THAT(PairsOf(left, {"1403636579765.png", "1403636580000.png"}),
