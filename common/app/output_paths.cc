@@ -4,7 +4,6 @@
 #include <system_error>
 
 #include "common/config/config_error.h"
-#include "common/core/output_file.h"
 
 namespace sprout {
 namespace {
@@ -17,8 +16,9 @@ ConfigError NotWritable(const std::string& flag, const fs::path& path, const std
 
 }  // namespace
 
-void RequireWritableFile(const std::string& flag, const fs::path& path) {
-  const OutputFile probe(path);
+void RequireWritableFile(const std::string& flag, const fs::path& path,
+                         OutputFile::OverInput over_input) {
+  const OutputFile probe(path, over_input);
   if (!probe.failure().empty()) throw NotWritable(flag, path, probe.failure());
 }
 

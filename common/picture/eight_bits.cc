@@ -51,6 +51,11 @@ int Largest(const std::vector<int64_t>& counts) {
 
 }  // namespace
 
+Result<void> CheckBits(int bits) {
+  if (bits == 0 || (bits >= kMinBits && bits <= kMaxBits)) return {};
+  return Fail(fmt::format("{}: allowed: {} to {}, or 0", bits, kMinBits, kMaxBits));
+}
+
 EightBits::Range EightBits::RangeOf(std::initializer_list<CameraImage*> images) {
   const std::vector<int64_t> counts = Histogram(images);
   int64_t total = 0;

@@ -14,6 +14,9 @@ namespace sprout {
 inline constexpr int kMinBits = 8;
 inline constexpr int kMaxBits = 16;
 
+/// Whether bits can be asked for; the error says which.
+Result<void> CheckBits(int bits);
+
 /// Makes images of 8 bits a pixel of those with up to 16, the same way for all images of one
 /// recording, whatever they came from. Images of 8 bits stay as they are. Otherwise the range of
 /// values that becomes 0 to 255 is, in this order:

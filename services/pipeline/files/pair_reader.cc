@@ -20,6 +20,9 @@ Result<void> CheckSize(const std::string& what, cv::Size size, cv::Size calibrat
 
 PairReader::PairReader(const RigOptions& options, const PixelOptions& pixels)
     : options_(options), eight_bits_(pixels.bits) {
+  if (const Result<void> usable = CheckBits(pixels.bits); !usable) {
+    throw ConfigError("--bits " + usable.error().text);
+  }
   if (!pixels.tof_unit.empty()) {
     tof_unit_m_ = scenes::ParseRangeUnit(pixels.tof_unit);
     if (!tof_unit_m_) {

@@ -86,6 +86,12 @@ void AddBits(Flags& flags, int& bits) {
       .WithinWhole(0, kMaxBits);
 }
 
+void RequireBits(int bits) {
+  if (const Result<void> usable = CheckBits(bits); !usable) {
+    throw ConfigError("--bits " + usable.error().text);
+  }
+}
+
 void AddBoardFlags(Flags& flags, BoardOptions& board) {
   flags.Add("--squares CxR", board.squares, "Columns and rows of the board").ShowDefault();
   flags.Add("--square-mm", board.square_mm, "Side of a square as measured on the print, mm")
@@ -195,9 +201,12 @@ std::runtime_error NoCalibration(const std::string& why, const ViewCollector& co
 }
 
 int RunEstimate(const Options& options) {
+  RequireBits(options.bits);
   const Board board = BoardOf(options.board);
   RigDescription rig;
   if (!options.rig.empty()) rig = LoadRigFile(options.rig);
+  RequireWritableFile("--out", options.out, OutputFile::OverInput::kAllowed);
+  if (!options.report.empty()) RequireWritableFile("--report", options.report);
   const ViewCollector collector = Collect(board, options);
   const ViewCounts& counts = collector.counts();
   const size_t views = collector.views().size();
@@ -286,7 +295,10 @@ void AddCheck(Flags& program, Options& options) {
       "Checks with frames of any scene, without a board, whether the calibration still holds: as "
       "refine, but\nwrites nothing. Exit code 0 good, 1 calibrate again, or the scene shows too "
       "little to tell",
-      [&options] { return RunCheck(options.check); });
+      [&options] {
+        RequireBits(options.check.bits);
+        return RunCheck(options.check);
+      });
   AddScenes(flags, options.check);
 }
 
@@ -296,7 +308,10 @@ void AddRefine(Flags& program, Options& options) {
       "Puts a calibration right from recordings of any scene, without a board: the rotations of "
       "the right camera\nand of the ToF camera, and the offset of its ranges. What the scene does "
       "not show stays, and is said.\nExit code 0 good, 1 not good, or the scene shows too little",
-      [&options] { return RunRefine(options.refine); });
+      [&options] {
+        RequireBits(options.refine.bits);
+        return RunRefine(options.refine);
+      });
   AddScenes(flags, options.refine);
   flags
       .Add("--out FILE", options.refine.out,

@@ -32,6 +32,15 @@ TEST(EightBits, LeavesImagesOf8BitsAsTheyAre) {
   EXPECT_THAT(eight_bits.TakeNote(), IsEmpty());
 }
 
+TEST(EightBits, SaysWhichBitsCanBeAskedFor) {
+  for (const int bits : {0, 8, 16}) EXPECT_TRUE(CheckBits(bits)) << bits;
+  for (const int bits : {-8, 1, 7, 17}) {
+    const Result<void> usable = CheckBits(bits);
+    ASSERT_FALSE(usable) << bits;
+    EXPECT_EQ(usable.error().text, std::to_string(bits) + ": allowed: 8 to 16, or 0");
+  }
+}
+
 TEST(EightBits, TakesTheBitsThatThePixelsUse) {
   for (const auto& [most, bits] :
        {std::pair{255, 8}, {1023, 10}, {900, 10}, {4095, 12}, {16383, 14}, {65535, 16}}) {

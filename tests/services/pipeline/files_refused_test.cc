@@ -44,6 +44,7 @@ TEST_F(Files, ThatCannotBeUsedAreRefusedBeforeAnythingIsComputed) {
       {[&](auto& o) { o.left = o.right = folder_ / "two"; }, "LEFT: images of one name"},
       {[&](auto& o) { o.rig = {}; }, "no calibration; allowed: --rig FILE, or of a rectified pair"},
       {[&](auto& o) { o.pixels.tof_unit = "1/0"; }, "--tof-unit 1/0: allowed: mm, cm, m, 1/N"},
+      {[&](auto& o) { o.pixels.bits = 7; }, "--bits 7: allowed: 8 to 16, or 0"},
       {[&](auto& o) { o.rig.rig_file = nothing; }, nothing},
       {[&](auto& o) { o.rig = {.calib_file = nothing}; },
        "calibration " + nothing + ": cannot be read (No such file"},

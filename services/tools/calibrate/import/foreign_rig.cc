@@ -4,6 +4,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -64,7 +65,8 @@ ForeignCamera KalibrCamera(const ForeignFile& file, const std::string& name,
   if (model == "radtan" || model == "equidistant") {
     camera.distortion = Numbers(file, node["distortion_coeffs"], name + ": distortion_coeffs", 4);
     camera.is_fisheye = model == "equidistant";
-  } else if (model != "none" && !model.empty()) {
+  } else if (model != "none" && (!model.empty() || node["distortion_coeffs"].IsDefined())) {
+    // Coefficients without a model are of radtan, or of equidistant.
     throw Bad(file, name + " has distortion_model '" + model +
                         "'; allowed are radtan, equidistant and none");
   }
@@ -75,6 +77,7 @@ ForeignRig KalibrRig(const ForeignFile& file, const YAML::Node& root) {
   if (!root["cam1"].IsDefined()) throw Bad(file, "no cam1; allowed is a camchain of two cameras");
   const std::vector<double> t = Numbers(file, root["cam1"]["T_cn_cnm1"], "cam1: T_cn_cnm1", 16);
   const RowMajor4 cam1_from_cam0 = Eigen::Map<const RowMajor4>(t.data());
+  RequireRotation(file.path.string() + ": cam1: T_cn_cnm1", cam1_from_cam0.topLeftCorner<3, 3>());
   const Pose pose{
       .rotation =
           Eigen::Quaterniond(Eigen::Matrix3d(cam1_from_cam0.topLeftCorner<3, 3>())).normalized(),
@@ -122,6 +125,7 @@ RosFile ReadRosCamera(const ForeignFile& file, const YAML::Node& root) {
   const std::vector<double> p = MatrixData(file, root, "projection_matrix", 12);
   ros.rectification.rotation =
       Eigen::Map<const RowMajor3>(MatrixData(file, root, "rectification_matrix", 9).data());
+  RequireRotation(file.path.string() + ": rectification_matrix", ros.rectification.rotation);
   ros.rectification.tx = p[3];
   ros.rectification.focal_px = p[0];
   if (p[0] <= 0) throw Bad(file, "projection_matrix has no focal length > 0");
@@ -158,7 +162,10 @@ ForeignRig ReadYamlRig(const std::vector<ForeignFile>& files) {
     if (!roots.back().IsMap()) throw Bad(file, "no calibration of OpenCV, ROS or Kalibr");
   }
   try {
-    if (roots[0]["cam0"].IsDefined()) return KalibrRig(files[0], roots[0]);
+    if (roots[0]["cam0"].IsDefined()) {
+      if (files.size() > 1) throw Bad(files[1], "a second file; allowed: a camchain alone");
+      return KalibrRig(files[0], roots[0]);
+    }
     if (roots[0]["camera_matrix"].IsDefined()) return RosRig(files, roots);
   } catch (const YAML::Exception& e) {
     throw Bad(files[0], std::string("an entry cannot be used: ") + e.what());
@@ -179,7 +186,28 @@ Pose PoseOfRectified(const ForeignRectification& left, const ForeignRectificatio
           .translation_m = back * Eigen::Vector3d(baseline, 0, 0)};
 }
 
+void RequireRotation(const std::string& name, const Eigen::Matrix3d& matrix) {
+  constexpr double kRounding = 1e-3;  // numbers may be written with few digits
+  const bool is_rotation =
+      (matrix * matrix.transpose()).isIdentity(kRounding) && matrix.determinant() > 0;
+  if (!is_rotation) throw ConfigError(name + " is no rotation; allowed: a rotation matrix");
+}
+
 Result<LensFit> ToLens(const ForeignCamera& camera) {
+  constexpr double kMostSkewPx = 1e-3;  // rounding
+  if (const double skew_px = camera.k(0, 1); std::abs(skew_px) > kMostSkewPx) {
+    return Fail(fmt::format("{}: its camera matrix has a skew of {:g} px; allowed: 0", camera.name,
+                            skew_px));
+  }
+  // With other counts OpenCV asserts. None: no distortion, which a fisheye lens always has.
+  constexpr std::array<size_t, 6> kCounts = {0, 4, 5, 8, 12, 14};
+  const size_t count = camera.distortion.size();
+  const bool is_known =
+      camera.is_fisheye ? count == 4 : std::ranges::find(kCounts, count) != kCounts.end();
+  if (!is_known) {
+    return Fail(fmt::format("{}: {} distortion coefficients; allowed: {}", camera.name, count,
+                            camera.is_fisheye ? "4 of the fisheye model" : "4, 5, 8, 12 or 14"));
+  }
   const LensFit fit = FitBrown({.width = camera.size.width,
                                 .height = camera.size.height,
                                 .fx = camera.k(0, 0),

@@ -50,8 +50,13 @@ Pose PoseOfRectified(const ForeignRectification& left, const ForeignRectificatio
 /// @throws ConfigError naming file and entry that cannot be used, or is missing.
 ForeignRig ReadForeignRig(const std::vector<std::filesystem::path>& files);
 
+/// @param name  of the matrix, for people: "stereo.yml: R"
+/// @throws ConfigError when it is scaled, a reflection, or no rotation for another reason.
+void RequireRotation(const std::string& name, const Eigen::Matrix3d& matrix);
+
 /// A camera with Brown's distortion, see FitBrown().
-/// @returns an error when it is more than kWorstFitPx off anywhere.
+/// @returns an error when it is more than kWorstFitPx off anywhere, when its model does not have so
+/// many coefficients, or when its matrix has a skew.
 Result<LensFit> ToLens(const ForeignCamera& camera);
 inline constexpr double kWorstFitPx = 0.1;
 

@@ -3,6 +3,7 @@
 #include <cctype>
 #include <map>
 #include <opencv2/core/persistence.hpp>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -69,6 +70,18 @@ int DepthOf(std::string_view text) {
   return most;
 }
 
+Eigen::Matrix3d Square(const cv::Mat1d& m) {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(m.ptr<double>());
+}
+
+// Whether two entries say the same.
+bool AreEqual(const cv::FileNode& a, const cv::FileNode& b) {
+  if (a.type() != b.type() || a.size() != b.size()) return false;
+  if (a.isString()) return static_cast<std::string>(a) == static_cast<std::string>(b);
+  if (a.isInt() || a.isReal()) return static_cast<double>(a) == static_cast<double>(b);
+  return std::equal(a.begin(), a.end(), b.begin(), AreEqual);
+}
+
 // All entries of the files, by their plain names.
 class Entries {
  public:
@@ -86,7 +99,8 @@ class Entries {
         const cv::FileNode root = storage.root();
         for (const std::string& key : root.keys()) {
           names_ += " " + key;
-          nodes_.insert_or_assign(Plain(key), root[key]);
+          const auto [before, is_new] = nodes_.try_emplace(Plain(key), root[key]);
+          if (!is_new && !AreEqual(before->second, root[key])) doubled_.insert(Plain(key));
         }
       } catch (const cv::Exception& e) {
         throw ConfigError(file.path.string() + ": OpenCV cannot read it: " + e.err);
@@ -97,6 +111,10 @@ class Entries {
   const cv::FileNode* Find(const Names& names) const {
     for (const std::string_view name : names) {
       if (const auto found = nodes_.find(std::string(name)); found != nodes_.end()) {
+        if (doubled_.contains(found->first)) {
+          throw ConfigError(where_ + ": " + found->second.name() +
+                            " is there twice, and not the same; allowed: one of them");
+        }
         return &found->second;
       }
     }
@@ -132,6 +150,13 @@ class Entries {
     throw Missing(names);
   }
 
+  Eigen::Matrix3d Rotation(const Names& names) const {
+    const cv::Mat1d matrix = Matrix(names, {{3, 3}});
+    const Eigen::Matrix3d rotation = Square(matrix);
+    RequireRotation(where_ + ": " + Find(names)->name(), rotation);
+    return rotation;
+  }
+
   ConfigError Missing(const Names& names) const {
     return ConfigError(where_ + ": no entry with one of the names " + TextOf(names) +
                        " (capitals, dots and underscores do not matter); there are:" + names_);
@@ -153,13 +178,10 @@ class Entries {
  private:
   std::vector<cv::FileStorage> storages_;
   std::map<std::string, cv::FileNode> nodes_;
+  std::set<std::string> doubled_;  // names of entries of two values
   std::string where_;
   std::string names_;
 };
-
-Eigen::Matrix3d Square(const cv::Mat1d& m) {
-  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(m.ptr<double>());
-}
 
 ForeignCamera CameraOf(const Entries& entries, size_t which) {
   ForeignCamera camera{.name = which == 0 ? "left camera" : "right camera",
@@ -174,9 +196,7 @@ ForeignCamera CameraOf(const Entries& entries, size_t which) {
 
 ForeignRectification RectifiedOf(const Entries& entries, size_t which) {
   const cv::Mat1d p = entries.Matrix(kProjection[which], {{4, 3}});
-  return {.rotation = Square(entries.Matrix(kRectifyingTurn[which], {{3, 3}})),
-          .tx = p(0, 3),
-          .focal_px = p(0, 0)};
+  return {.rotation = entries.Rotation(kRectifyingTurn[which]), .tx = p(0, 3), .focal_px = p(0, 0)};
 }
 
 }  // namespace
@@ -196,7 +216,7 @@ ForeignRig ReadOpencvRig(const std::vector<ForeignFile>& files) {
     return rig;
   }
   // OpenCV's R and T take points of the left camera to the right one.
-  const Eigen::Matrix3d rotation = Square(entries.Matrix(kRotation, {{3, 3}}));
+  const Eigen::Matrix3d rotation = entries.Rotation(kRotation);
   const cv::Mat1d t = entries.Matrix(kTranslation, {{1, 3}, {3, 1}});
   const Pose right_from_left{.rotation = Eigen::Quaterniond(rotation).normalized(),
                              .translation_m = {t(0), t(1), t(2)}};

@@ -20,13 +20,13 @@ bool IsSignificantCorrection(double offset_m, double sigma_m);
 
 /// What has to be added to ranges: straight lines between knots that minimise
 ///
-///     Σ ρ((c(r_i) + e_i)² / (s σ_i)²) + Σ c_k² / τ²
+///     ¼ Σ ρ((c(r_i) + e_i) / (s σ_i)) + Σ c_k² / τ²
 ///
-/// with ρ Cauchy's loss, s ≥ 1 the residuals' robust scatter, τ = 20 mm what is expected of a range
-/// sensor. Each knot has the same number of samples, at least 40, and ranges 5 % apart; there are
-/// up to 24. Samples between knots more than 25 % apart count only within 5 % of one. By iterated
-/// least squares. The variance of a knot is that of an M-estimate, at least that of weighted least
-/// squares, and what samples share.
+/// with a quarter since matches share errors, ρ Cauchy's loss, s ≥ 1 the residuals' robust scatter,
+/// τ = 20 mm what is expected of a range sensor. Each knot has the same number of samples, at least
+/// 40, and ranges 5 % apart; there are up to 24. Samples between knots more than 25 % apart count
+/// only within 5 % of one. By iterated least squares. The variance of a knot is that of an
+/// M-estimate, at least that of weighted least squares, and what samples share.
 ///
 /// @returns nothing when no knot is significant, as above. One thread; same input, same bytes.
 /// O(samples).

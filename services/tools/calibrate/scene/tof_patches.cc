@@ -16,6 +16,36 @@ constexpr double kMaxOffPlane = 0.01;
 constexpr double kMinFacing = 0.3;
 // What errs alike in all points of a patch, as share of the distance: a tenth of kMaxOffPlane.
 constexpr double kSharedError = 0.001;
+// A surface is bent, and no plane, when its middle is off the plane by more than kSharedError, and
+// by so many standard deviations.
+constexpr double kBendSigmas = 3;
+
+// Whether points bend away from a plane through their mean to all sides, as on a ball: in its
+// middle such a surface lies before the plane, and all matches there err alike.
+bool IsBent(const std::vector<Eigen::Vector3d>& points, const Eigen::Vector3d& mean,
+            const Eigen::Vector3d& normal) {
+  // A line through distances from the plane, over squared distances from the middle along it.
+  const auto n = static_cast<double>(points.size());
+  double off_squares = 0;
+  double round = 0;
+  double round_squares = 0;
+  double products = 0;
+  for (const Eigen::Vector3d& point : points) {
+    const double off_m = normal.dot(point - mean);
+    const double round_m2 = (point - mean).squaredNorm() - off_m * off_m;
+    off_squares += off_m * off_m;
+    round += round_m2;
+    round_squares += round_m2 * round_m2;
+    products += round_m2 * off_m;
+  }
+  const double spread = round_squares - round * round / n;
+  if (spread <= 0) return false;
+  const double bend = products / spread;  // distances sum to 0
+  const double scatter_m = std::sqrt(std::max(0.0, off_squares - bend * products) / (n - 4));
+  const double middle_m = std::abs(bend) * round / n;
+  const double sigma_m = scatter_m / std::sqrt(spread) * round / n;
+  return middle_m > std::max(kSharedError * mean.norm(), kBendSigmas * sigma_m);
+}
 
 }  // namespace
 
@@ -72,11 +102,12 @@ std::optional<TofPatch> TofPatches::At(const cv::Point2d& left_px) const {
   patch.per_range = patch.normal.dot(ray);
   if (patch.per_range < kMinFacing) return std::nullopt;
   double sum = 0;
-  for (size_t i = 0; i < count; ++i) {
-    const double off_m = patch.normal.dot(around[i]) - patch.distance_m;
+  for (const Eigen::Vector3d& point : around) {
+    const double off_m = patch.normal.dot(point) - patch.distance_m;
     if (std::abs(off_m) > kMaxOffPlane * mean.norm()) return std::nullopt;
     sum += off_m * off_m;
   }
+  if (IsBent(around, mean, patch.normal)) return std::nullopt;
   const auto n = static_cast<double>(count);
   patch.sigma_m = std::hypot(std::sqrt(sum / (n - 3) / n), kSharedError * mean.norm());
   return patch;

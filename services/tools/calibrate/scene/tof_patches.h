@@ -26,7 +26,8 @@ class TofPatches {
   TofPatches(const TofImage& tof, const TofProjector& projector);
 
   /// The plane through the points in a square of five times their mean spacing around a place:
-  /// nothing where there are few, or where they do not lie on one plane: beside a depth edge. O(1).
+  /// nothing where there are few, or where they do not lie on one plane: beside a depth edge, or on
+  /// a ball. O(1).
   std::optional<TofPatch> At(const cv::Point2d& left_px) const;
 
  private:

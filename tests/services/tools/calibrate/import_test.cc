@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/persistence.hpp>
@@ -54,6 +55,8 @@ void ExpectTruth(const ForeignRig& rig, const Truth& truth, double accuracy = 1e
   }
 }
 
+const std::vector<std::string> kNames = {"M1", "D1", "M2", "D2", "R", "T"};
+
 std::string Refusal(const std::vector<fs::path>& files) {
   return Thrown<ConfigError>([&] { ReadForeignRig(files); });
 }
@@ -66,16 +69,20 @@ class Import : public testing::Test {
   }
 
   // The entries under names as a program has them: K1, D1, K2, D2, R, T.
-  fs::path WriteOpencv(const char* name, const std::vector<std::string>& names,
-                       bool with_size = true) const {
+  fs::path WriteOpencv(const char* name, const std::vector<std::string>& names, bool with_size,
+                       const Truth& truth) const {
     cv::FileStorage file(folder_ / name, cv::FileStorage::WRITE);
     if (with_size) {
-      file << "image_width" << truth_.size.width << "image_height" << truth_.size.height;
+      file << "image_width" << truth.size.width << "image_height" << truth.size.height;
     }
-    file << names[0] << cv::Mat(truth_.k1) << names[1] << cv::Mat(truth_.d1) << names[2]
-         << cv::Mat(truth_.k2) << names[3] << cv::Mat(truth_.d2) << names[4] << cv::Mat(truth_.r)
-         << names[5] << cv::Mat(truth_.t);
+    file << names[0] << cv::Mat(truth.k1) << names[1] << cv::Mat(truth.d1) << names[2]
+         << cv::Mat(truth.k2) << names[3] << cv::Mat(truth.d2) << names[4] << cv::Mat(truth.r)
+         << names[5] << cv::Mat(truth.t);
     return folder_ / name;
+  }
+  fs::path WriteOpencv(const char* name, const std::vector<std::string>& names,
+                       bool with_size = true) const {
+    return WriteOpencv(name, names, with_size, truth_);
   }
 
   const TemporaryDirectory folder_;
@@ -153,6 +160,29 @@ TEST_F(Import, SaysWhatOfOpencvsFileIsMissing) {
   EXPECT_THAT(Refusal({folder_ / "nothing.yml"}), HasSubstr("nothing.yml: cannot be read"));
 }
 
+TEST_F(Import, RefusesMatricesThatAreNoRotation) {
+  Truth scaled;
+  scaled.r *= 1.5;
+  Truth mirrored;
+  for (int i = 0; i < 3; ++i) mirrored.r(i, 2) *= -1;
+  for (const Truth& wrong : {scaled, mirrored}) {
+    EXPECT_THAT(Refusal({WriteOpencv("r.yml", kNames, true, wrong)}),
+                HasSubstr("r.yml: R is no rotation; allowed: a rotation matrix"));
+  }
+  Truth rounded;
+  for (double& number : rounded.r.val) number = std::round(number * 1e4) / 1e4;
+  EXPECT_NO_THROW(ReadForeignRig({WriteOpencv("rounded.yml", kNames, true, rounded)}));
+}
+
+TEST_F(Import, RefusesAnEntryOfOpencvsFilesThatIsThereTwice) {
+  Truth other;
+  other.t *= 2;
+  const fs::path one = WriteOpencv("one.yml", kNames);
+  EXPECT_THAT(Refusal({one, WriteOpencv("two.yml", kNames, true, other)}),
+              HasSubstr("two.yml: T is there twice, and not the same; allowed: one of them"));
+  ExpectTruth(ReadForeignRig({one, WriteOpencv("same.yml", kNames)}), truth_);
+}
+
 std::string List(const cv::Mat& numbers) {
   std::string text = "[";
   const cv::Mat1d row = numbers.reshape(1, 1);
@@ -172,7 +202,6 @@ std::string RosYaml(const cv::Size& size, const std::string& name, const cv::Mat
       size.width, size.height, name, List(k), model, d.size(), List(cv::Mat(d)), List(r), List(p));
 }
 
-// The poses of both cameras are in R and P of their files alone.
 TEST_F(Import, RefusesWhatOpencvWouldReadByEndlessRecursion) {
   constexpr int kDeep = 200'000;
   std::string tags;
@@ -185,6 +214,7 @@ TEST_F(Import, RefusesWhatOpencvWouldReadByEndlessRecursion) {
   }
 }
 
+// The poses of both cameras are in R and P of their files alone.
 TEST_F(Import, CameraInfoFilesOfRos) {
   cv::Mat r1, r2, p1, p2, q;
   cv::stereoRectify(truth_.k1, truth_.d1, truth_.k2, truth_.d2, truth_.size, truth_.r, truth_.t, r1,
@@ -201,6 +231,9 @@ TEST_F(Import, CameraInfoFilesOfRos) {
   EXPECT_THAT(Refusal({left}), HasSubstr("left.yaml: the camera_info of one camera; allowed are "
                                          "two files, left and right"));
   EXPECT_THAT(Refusal({left, left}), HasSubstr("there is no baseline"));
+  EXPECT_THAT(Refusal({left, Write("scaled.yaml", RosYaml(truth_.size, "right", cv::Mat(truth_.k2),
+                                                          truth_.d2, 2 * r2, p2))}),
+              HasSubstr("scaled.yaml: rectification_matrix is no rotation"));
   // The wrong way round the right camera stands on the left.
   EXPECT_LT(ReadForeignRig({right, left}).left_from_right.translation_m.x(), 0);
   EXPECT_THAT(Refusal({Write("none.yaml", "camera_matrix: 3\n"), right}),
@@ -251,6 +284,18 @@ TEST_F(Import, ACamchainOfKalibr) {
   EXPECT_THAT(Refusal({Write("omni.yaml", "cam0: {camera_model: omni}\ncam1:\n" +
                                               KalibrPose(truth.r, truth.t))}),
               HasSubstr("cam0 has camera_model 'omni'; allowed is pinhole"));
+  EXPECT_THAT(Refusal({Write("scaled.yaml", first + second + KalibrPose(truth.r * 2, truth.t))}),
+              HasSubstr("scaled.yaml: cam1: T_cn_cnm1 is no rotation"));
+  EXPECT_THAT(Refusal({folder_ / "camchain.yaml", folder_ / "bare.yaml"}),
+              HasSubstr("bare.yaml: a second file; allowed: a camchain alone"));
+  EXPECT_THAT(Refusal({Write("model.yaml", KalibrCamera("cam0", truth.k1, "", truth.d1) + second +
+                                               KalibrPose(truth.r, truth.t))}),
+              HasSubstr("cam0 has distortion_model ''; allowed are radtan, equidistant and none"));
+  const std::string plain =
+      "{camera_model: pinhole, intrinsics: [500, 500, 320, 240], resolution: [640, 480]}\n";
+  const ForeignRig bare = ReadForeignRig(
+      {Write("plain.yaml", "cam0: " + plain + second + KalibrPose(truth.r, truth.t))});
+  EXPECT_TRUE(bare.left.distortion.empty());
 }
 
 // What a model places somewhere, its counterpart in Brown's terms places there, too.
@@ -275,6 +320,35 @@ void ExpectSamePlaces(const ForeignCamera& camera, const Lens& lens) {
       EXPECT_LT(cv::norm(theirs[0] - ours[0]), kWorstFitPx) << x << ", " << y;
     }
   }
+}
+
+std::string LensRefusal(const ForeignCamera& camera) {
+  const Result<LensFit> lens = ToLens(camera);
+  return lens ? "" : lens.error().text;
+}
+
+TEST(ImportLens, RefusesWhatNoModelOfOpencvHas) {
+  ForeignCamera camera{.name = "cam0", .size = {640, 480}, .distortion = {}};
+  camera.k << 800, 0, 320, 0, 800, 240, 0, 0, 1;
+  for (const size_t count : {0, 4, 5, 8, 12, 14}) {
+    camera.distortion.assign(count, 1e-5);
+    EXPECT_EQ(LensRefusal(camera), "") << count;
+  }
+  for (const size_t count : {1, 6, 9, 15}) {
+    camera.distortion.assign(count, 1e-5);
+    EXPECT_EQ(LensRefusal(camera), fmt::format("cam0: {} distortion coefficients; allowed: 4, 5, "
+                                               "8, 12 or 14",
+                                               count));
+  }
+  camera.is_fisheye = true;
+  for (const size_t count : {0, 5}) {
+    camera.distortion.assign(count, 1e-5);
+    EXPECT_THAT(LensRefusal(camera), HasSubstr("allowed: 4 of the fisheye model"));
+  }
+  camera.distortion.assign(4, 0.0);  // which is no pinhole
+  EXPECT_EQ(LensRefusal(camera), "");
+  camera.k(0, 1) = 0.5;
+  EXPECT_EQ(LensRefusal(camera), "cam0: its camera matrix has a skew of 0.5 px; allowed: 0");
 }
 
 TEST(ImportLens, OtherModelsAreFittedWhereBrownsIsAsGood) {

@@ -241,6 +241,14 @@ TEST_F(CalibrateProgram, RefusesFlagsThatMakeNoSense) {
   ExpectRefused({"board", "--square-mm", "nan", "--out", File("board.svg")}, 2, "--square-mm");
   ExpectRefused({"board", "--out", File("no/folder/board.svg")}, 1, "no/folder/board.svg");
   ExpectRefused({"estimate", File("none.lcm"), "--out", File("out.textproto")}, 2, "none.lcm");
+  WriteBytes(folder_ / "empty.lcm", Bytes());
+  for (const char* command : {"estimate", "check", "refine"}) {
+    std::vector<std::string> arguments = {command, File("empty.lcm"), "--bits", "7"};
+    if (command != std::string("check")) {
+      arguments.insert(arguments.end(), {"--out", File("out.textproto")});
+    }
+    ExpectRefused(arguments, 2, "--bits 7: allowed: 8 to 16, or 0");
+  }
 }
 
 TEST_F(CalibrateProgram, RefusesLogsWithoutRawImages) {
