@@ -46,7 +46,7 @@ class Dataset {
 /// Opens the dataset that config.source() names.
 ///   middlebury:DIR  a Middlebury scene: view1/view5/disp1/disp5 with dmin.txt (2005, 2006),
 ///                   im2/im6/disp2/disp6 (2003), or im0/im1/disp0.pfm or disp0GT.pfm with calib.txt
-///                   (2014, 2021, ETH3D); images as .png, .jpg or .ppm
+///                   (2014, 2021, ETH3D); images as .png, .jpg, .ppm or .pgm
 ///   kitti:DIR/ID, kitti:DIR  a frame, or all frames, in KITTI's layout with the scan as ToF image;
 ///                   ?beams=N keeps N of its 64 beams
 ///   synthetic:WxH   a moving scene with exact ground truth

@@ -134,8 +134,8 @@ RectifiedPair CalibrationFromCalib(const std::filesystem::path& calib_file, cv::
 PairCalibration OpenCalibFile(const std::filesystem::path& path) {
   const Result<std::string> text = ReadText(path);
   if (!text) throw ConfigError("calibration " + path.string() + ": " + text.error().text);
-  if (text->find("cam0=") != std::string::npos) {
-    const CalibrationLines calib = MiddleburyLines(path);
+  // There may be blanks around '='.
+  if (const CalibrationLines calib = MiddleburyLines(path); calib.Has("cam0")) {
     return [calib, pair = PairOf(calib)](cv::Size size, bool) { return Sized(pair, calib, size); };
   }
   if (text->find("P0:") != std::string::npos || text->find("P2:") != std::string::npos ||

@@ -51,7 +51,8 @@ PairCalibration OpenCalibFile(const std::filesystem::path& path);
 /// 2014, 2021: im0 and im1, disp0.pfm (and disp1.pfm): px, inf = unknown; calib.txt.
 /// The evaluation's (version 3) and ETH3D's two-view scenes: the same with disp0GT.pfm, and
 /// mask0nocc.png, which may be missing.
-/// Images end in .png, .jpg or .ppm, of which the first that exists is read; alpha is dropped.
+/// Images end in .png, .jpg, .ppm or .pgm, of which the first that exists is read; alpha is
+/// dropped.
 ///
 /// Everything is read at once; Get() copies, so that callers cannot change the frame.
 /// @throws ConfigError naming what is missing or wrong, and where.

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kImageExtensions[] = {".png", ".jpg", ".ppm"};
+constexpr const char* kImageExtensions[] = {".png", ".jpg", ".ppm", ".pgm"};
 // Published values go from 200 to 290 px: what to take where dmin.txt is missing and an error of
 // the range sensor is given in metres. Otherwise depths without dmin.txt are not metric.
 constexpr double kLikelyDminPx = 250;
@@ -37,7 +37,7 @@ std::optional<fs::path> FindImage(const fs::path& folder, const std::string& nam
   return {};
 }
 
-// "view1.png, view1.jpg, view1.ppm"
+// "view1.png, view1.jpg, view1.ppm, view1.pgm"
 std::string Candidates(const std::string& name) {
   std::string list;
   for (const char* extension : kImageExtensions) {

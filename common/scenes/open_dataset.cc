@@ -95,7 +95,8 @@ std::unique_ptr<Dataset> OpenDataset(const CaptureConfig& original) {
   if (kind == "synthetic") return with_errors(OpenSyntheticText(argument, config));
   const std::string allowed =
       "middlebury:DIR, kitti:DIR, kitti:DIR/ID, synthetic:WxH, and for sprout-capture log:FILE, "
-      "opencv:LEFT,RIGHT, v4l2:DEVICE";
+      "genicam:RIG, opencv:LEFT,RIGHT, v4l2:DEVICE, ros2:left=TOPIC&right=TOPIC, "
+      "mcap:FILE?left=TOPIC&right=TOPIC";
   throw BadSource(config, kind == "log" ? "only sprout-capture plays logs" : "no such source",
                   allowed);
 }

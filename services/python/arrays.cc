@@ -1,6 +1,7 @@
 #include "services/python/arrays.h"
 
 #include <algorithm>
+#include <cstring>
 #include <memory>
 #include <vector>
 
@@ -225,7 +226,21 @@ py::object ToArray(const DisparityImage& disparity) {
 }
 
 py::array ToArray(const std::vector<Seed>& seeds) {
-  return py::array_t<Seed>(static_cast<py::ssize_t>(seeds.size()), seeds.data());
+  py::array_t<Seed> array(static_cast<py::ssize_t>(seeds.size()));
+  Seed* copy = array.mutable_data();
+  // Between the fields there may be anything, which whoever saves an array would save.
+  std::memset(static_cast<void*>(copy), 0, seeds.size() * sizeof(Seed));
+  for (const Seed& seed : seeds) {
+    copy->u = seed.u;
+    copy->v = seed.v;
+    copy->u_right = seed.u_right;
+    copy->sigma_px = seed.sigma_px;
+    copy->origin = seed.origin;
+    copy->tof_u = seed.tof_u;
+    copy->tof_v = seed.tof_v;
+    ++copy;
+  }
+  return array;
 }
 
 cv::Mat1b TakeSigmas(const std::string& name, const py::handle& array,

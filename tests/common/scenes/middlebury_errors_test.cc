@@ -6,6 +6,7 @@
 #include <iterator>
 #include <opencv2/core.hpp>
 
+#include "common/scenes/middlebury_calibration.h"
 #include "tests/common/scenes/scene_folder.h"
 
 namespace sprout::scenes {
@@ -187,6 +188,15 @@ TEST(MiddleburyErrors, AcceptsACalibrationWithoutSizeOrDoffs) {
     folder.WriteText("calib.txt", CalibWith(key, ""));
     EXPECT_EQ(folder.Open()->rig().pair.cx_right, 17);
   }
+}
+
+// As a file of --calib, too.
+TEST(MiddleburyErrors, AcceptsBlanksAroundTheEqualsSign) {
+  const SceneFolder folder;
+  folder.WriteText("calib.txt",
+                   "cam0 = [90 0 9; 0 90 9; 0 0 1]\ncam1 = [90 0 12; 0 90 9; 0 0 1]\n"
+                   "baseline = 90\n");
+  EXPECT_EQ(OpenCalibFile(folder.File("calib.txt"))({40, 30}, true).cx_right, 12);
 }
 
 TEST(MiddleburyErrors, RefusesABrokenPfm) {

@@ -135,6 +135,11 @@ TEST(MiddleburyDataset, ReadsEveryImageExtension) {
     folder.WriteImage("disp1.png", cv::Mat1b(30, 40, uchar{40}));
     EXPECT_EQ(folder.Open()->Get(0).left.type(), CV_8UC3) << extension;
   }
+  const SceneFolder folder;
+  folder.WriteImage("view1.pgm", cv::Mat1b(30, 40, uchar{77}));
+  folder.WriteImage("view5.pgm", cv::Mat1b(30, 40, uchar{78}));
+  folder.WriteImage("disp1.png", cv::Mat1b(30, 40, uchar{40}));
+  EXPECT_TRUE(EqualBytes(folder.Open()->Get(0).left, cv::Mat1b(30, 40, uchar{77})));
 }
 
 TEST(MiddleburyDataset, SimulatesTheTofCameraFromTheLeftTruth) {

@@ -65,6 +65,15 @@ class LogTest(unittest.TestCase):
             self.assertTrue(numpy.isfinite(frame.depth_m).any())
         self.assertEqual([f.seq for f in frames], sorted(f.seq for f in frames))
 
+    def test_gives_seeds_whose_bytes_are_the_same_every_time(self) -> None:
+        between = numpy.ones(sprout.SEED.itemsize, bool)
+        for kind, begin in ((field[0], field[1]) for field in sprout.SEED.fields.values()):
+            between[begin:begin + kind.itemsize] = False
+        self.assertTrue(between.any())
+        for frame in sprout.Log(SAMPLE).frames():
+            seeds = frame.seeds.view(numpy.uint8).reshape(len(frame.seeds), -1)
+            self.assertFalse(seeds[:, between].any())
+
     def test_finds_frames_by_place_seq_and_time(self) -> None:
         with sprout.Log(str(SAMPLE)) as log:
             frames = list(log)
