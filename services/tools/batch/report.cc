@@ -40,9 +40,15 @@ details { margin: .2em 0 1em; } summary { cursor: pointer; color: #444; }
 std::string Verdict(const FrameTable& frames) {
   const std::vector<float> changed = frames.Column("changed");
   const auto touched = std::ranges::count_if(changed, [](float x) { return x > 0; });
-  if (touched == 0) return "A and B give the same maps";
+  const auto compared = std::ranges::count_if(changed, [](float x) { return !std::isnan(x); });
+  const int64_t others = std::ssize(changed) - compared;
+  if (compared == 0) return "A and B have maps of no frame in common";
+  const std::string rest =
+      others > 0 ? fmt::format("; {} frames have no two maps to compare", others) : "";
+  if (touched == 0) return "A and B give the same maps" + rest;
   return fmt::format("{} frames differ; {:.2f} % of the pixels move by more than 1 px", touched,
-                     100 * MeanOf(frames.Column("moved")));
+                     100 * MeanOf(frames.Column("moved"))) +
+         rest;
 }
 
 std::string SummaryHtml(const Manifest& manifest, const BatchState& state,

@@ -204,14 +204,28 @@ std::vector<std::string> ShownMeasures(const Manifest& manifest) {
   return measures;
 }
 
+// Leaves the frames that have both: what one variant left out must not make it the better one.
+// Where one has none at all, the other stays.
+void KeepCommon(std::vector<float>& a, std::vector<float>& b) {
+  if (std::isnan(MeanOf(a)) || std::isnan(MeanOf(b))) return;
+  for (size_t i = 0; i < a.size(); ++i) {
+    if (std::isnan(a[i]) || std::isnan(b[i])) a[i] = b[i] = NAN;
+  }
+}
+
 std::string MeansHtml(const Manifest& manifest, const FrameTable& frames) {
   const bool has_b = manifest.variant_size() > 1;
-  std::string html = "<h2>What changed</h2>\n<table><tr><th>mean over all frames</th><th>A</th>";
+  std::string html =
+      fmt::format("<h2>What changed</h2>\n<table><tr><th>mean over {}</th><th>A</th>",
+                  has_b ? "the frames that both have" : "all frames");
   if (has_b) html += "<th>B</th><th>B &minus; A</th>";
   html += "<th></th></tr>\n";
   for (const std::string& measure : ShownMeasures(manifest)) {
-    const double a = MeanOf(frames.Column("a_" + measure));
-    const double b = MeanOf(frames.Column("b_" + measure));
+    std::vector<float> of_a = frames.Column("a_" + measure);
+    std::vector<float> of_b = frames.Column("b_" + measure);
+    KeepCommon(of_a, of_b);
+    const double a = MeanOf(of_a);
+    const double b = MeanOf(of_b);
     if (std::isnan(a) && std::isnan(b)) continue;
     html += fmt::format("<tr><td>{}</td><td>{}</td>", measure, Number(a));
     if (has_b) html += fmt::format("<td>{}</td>", Number(b)) + DifferenceCell(measure, a, b);
@@ -232,8 +246,9 @@ std::string MeansHtml(const Manifest& manifest, const FrameTable& frames) {
 
 std::string LogsHtml(const Manifest& manifest, const FrameTable& frames) {
   const bool has_b = manifest.variant_size() > 1;
-  const std::vector<float> score_a = frames.Column("a_score");
-  const std::vector<float> score = has_b ? frames.Column("b_score") : score_a;
+  std::vector<float> score_a = frames.Column("a_score");
+  std::vector<float> score = has_b ? frames.Column("b_score") : score_a;
+  if (has_b) KeepCommon(score_a, score);
   std::vector<float> strip = has_b ? frames.Column("moved") : score;
   const std::vector<LogLine> lines = LogLinesOf(frames, strip, has_b ? 1 : -1);
   const std::vector<float> moved = has_b ? strip : std::vector<float>();

@@ -115,7 +115,16 @@ std::string LogEvaluation::Table() const {
                          fmt::format("{:.{}f}", *worst, column.decimals),
                          std::to_string(worst_seq)});
   }
-  return text + MarkdownTable(qualities);
+  text += MarkdownTable(qualities);
+  // (Q2) takes an unknown misfit for a perfect one.
+  const auto without_images = std::ranges::count_if(rows_, [](const auto& entry) {
+    return entry.second.quality.valid_share > 0.0 && !entry.second.quality.misfit;
+  });
+  if (without_images == 0) return text;
+  return text + fmt::format(
+                    "\n{} of {} frames have no images that fit the map, so no misfit: their "
+                    "scores are higher, and comparable among themselves alone\n",
+                    without_images, rows_.size());
 }
 
 std::string LogEvaluation::Csv() const {

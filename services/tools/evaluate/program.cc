@@ -323,7 +323,7 @@ int RunVideo(const Options& options) {
     }));
   }
   progress.Clear();
-  std::cout << VideoTable(results);
+  if (!options.quiet) std::cout << VideoTable(results);
   return 0;
 }
 

@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "common/config/config_error.h"
 #include "common/core/image.h"
 #include "common/core/output_file.h"
 #include "common/core/quantile.h"
@@ -150,9 +151,16 @@ VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settin
   VideoResult result;
   result.source = source;
   result.frames = settings.frames;
-  const bool one_scene = dataset->frame_count() == 1;  // which is shown again and again
+  // A scene of Middlebury's is shown again and again; a frame of KITTI's is no video.
+  const bool one_scene = dataset->frame_count() == 1 && !IsKitti(source);
   if (!one_scene && dataset->frame_count()) {
     result.frames = static_cast<int>(std::min<int64_t>(result.frames, *dataset->frame_count()));
+  }
+  if (result.frames <= VideoScore::kFirstScored) {
+    throw ConfigError(
+        fmt::format("{}: {} frames (--frames): allowed are {} and more, since the first {} "
+                    "are not scored",
+                    source, result.frames, VideoScore::kFirstScored + 1, VideoScore::kFirstScored));
   }
   const std::vector<Pose> motions = TrueMotions(source, result.frames);
   result.motion_known = !motions.empty();
@@ -171,6 +179,10 @@ VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settin
   for (int i = 0; i < result.frames; ++i) {
     on_frame(i);
     const scenes::DatasetFrame captured = dataset->Get(i);
+    if (captured.truth.left.empty()) {
+      throw ConfigError(fmt::format(
+          "{}: frame {} has no ground truth; allowed: frames with ground truth", source, i));
+    }
     Frame frame;
     frame.id = {.utime = static_cast<int64_t>(std::llround(1e6 * (i + 1) / settings.rate_hz)),
                 .seq = i,

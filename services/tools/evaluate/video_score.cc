@@ -8,6 +8,7 @@
 
 #include "common/config/config_error.h"
 #include "common/core/input_files.h"
+#include "common/core/number_text.h"
 #include "common/core/quantile.h"
 #include "common/geometry/projection.h"
 #include "common/scenes/kitti_calibration.h"
@@ -201,22 +202,39 @@ void MotionScore::Add(const CameraMotion& measured, const Pose& true_left_from_l
 
 std::vector<Pose> TrueMotions(const std::string& source, int frames) {
   if (!IsKitti(source)) return std::vector<Pose>(static_cast<size_t>(frames));
-  const std::string first = ScenesOf(source).front();  // kitti:FOLDER/ID?…
-  const size_t begin = first.find(':') + 1;
-  const fs::path place = first.substr(begin, first.find('?') - begin);
-  const fs::path path = place.parent_path() / "poses.txt";
+  std::vector<fs::path> places;
+  for (const std::string& scene : ScenesOf(source)) {  // kitti:FOLDER/ID?…
+    const size_t begin = scene.find(':') + 1;
+    places.emplace_back(scene.substr(begin, scene.find('?') - begin));
+  }
+  const fs::path folder = places.front().parent_path();
+  const fs::path path = folder / "poses.txt";
   NoteInputFile(path);
   std::ifstream file(path);
   if (!file) return {};
   // The left camera stands in the frame of camera 0 where the scanner's calibration says, and is
   // turned as camera 0.
-  const fs::path calibration = place.parent_path() / "calib" / (place.filename().string() + ".txt");
+  fs::path calibration = folder / "calib" / (places.front().filename().string() + ".txt");
+  if (!fs::exists(calibration)) calibration = folder / "calib.txt";
   Pose left_from_camera0;
   left_from_camera0.translation_m = scenes::ReadKittiLeftOffset(calibration);
+  std::vector<Pose> poses;
+  while (!(file >> std::ws).eof()) poses.push_back(ReadPose(file, path));
+  // A row a frame that is there, or, of a part of a sequence, the row that is the frame's number.
+  const bool by_order = poses.size() == places.size();
+  const auto pose_of = [&](size_t i) {
+    const std::optional<int64_t> row = by_order
+                                           ? std::optional(static_cast<int64_t>(i))
+                                           : ParseNumber<int64_t>(places[i].filename().string());
+    if (row && *row >= 0 && *row < std::ssize(poses)) return poses[static_cast<size_t>(*row)];
+    throw ConfigError("poses " + path.string() + ": " + std::to_string(poses.size()) +
+                      " rows, and none is known to be that of " + places[i].string() +
+                      "; allowed: a row for each frame, or for each number of a frame");
+  };
   std::vector<Pose> motions(1);
-  Pose last = ReadPose(file, path);
+  Pose last = pose_of(0);
   while (std::ssize(motions) < frames) {
-    const Pose now = ReadPose(file, path);
+    const Pose now = pose_of(motions.size());
     motions.push_back(left_from_camera0 * now.Inverse() * last * left_from_camera0.Inverse());
     last = now;
   }

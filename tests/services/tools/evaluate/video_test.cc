@@ -7,11 +7,13 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 
+#include "common/config/config_error.h"
 #include "common/core/read_text.h"
 #include "services/pipeline/pipeline.h"
 #include "services/tools/evaluate/video_score.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/common/scenes/kitti_folder.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout::evaluate {
 namespace {
@@ -173,6 +175,21 @@ TEST(TrueMotions, AreThoseOfPosesAtThePlaceOfTheLeftCamera) {
   EXPECT_NEAR(motions[2].rotation.vec().norm(), 0, 1e-12);
   EXPECT_NEAR((motions[2].translation_m - Eigen::Vector3d(0, 0, -2)).norm(), 0, 1e-12);
 
+  // A part of a sequence that has the poses of the whole: a row a number.
+  const std::string whole =
+      "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n"
+      "1 0 0 0 0 1 0 0 0 0 1 3\n1 0 0 0 0 1 0 0 0 0 1 6\n";
+  const scenes::KittiFolder part;
+  for (const std::string id : {"000001", "000002"}) {
+    part.WriteStereo(id);
+    part.WriteCalibration(id, "P2", "100 0 20 30 0 100 15 0 0 0 1 0");
+  }
+  part.files().WriteText("poses.txt", whole);
+  EXPECT_EQ(TrueMotions(part.Config("").source(), 2)[1].translation_m.z(), -2);
+  part.files().WriteText("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
+  EXPECT_THAT(Thrown<ConfigError>([&] { TrueMotions(part.Config("").source(), 2); }),
+              HasSubstr("poses.txt: 1 rows, and none is known to be that of "));
+
   folder.files().WriteText("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 2 3\n");
   EXPECT_THROW(TrueMotions(source, 2), ConfigError);
   EXPECT_THAT(TrueMotions("synthetic:64x48", 4), SizeIs(4));
@@ -231,6 +248,22 @@ TEST(VideoPictures, ShowErrorsOfSixFramesAndAllInAPlot) {
   // Half of the height, from the left to the right edge.
   EXPECT_THAT(plot, HasSubstr("stroke=\"#3070c0\" stroke-width=\"1\" points=\"56.0,156.0 "));
   EXPECT_THAT(plot, HasSubstr(" 536.0,156.0\"/>"));
+}
+
+TEST(EvaluateVideo, SaysWhatIsNoVideo) {
+  VideoSettings settings;
+  settings.config = LoadConfig({"fast"});
+  settings.frames = 2;
+  const auto complaint = [&](const std::string& source) {
+    return Thrown<ConfigError>([&] { EvaluateVideo(source, settings, [](int) {}); });
+  };
+  EXPECT_THAT(complaint("synthetic:160x120"), HasSubstr("2 frames (--frames): allowed are 3"));
+  const scenes::KittiFolder folder;
+  folder.WriteStereo("000000");
+  folder.WriteCalibration("000000", "P2", "100 0 20 30 0 100 15 0 0 0 1 0");
+  settings.frames = 5;
+  EXPECT_THAT(complaint(folder.Config("/000000").source()),
+              HasSubstr("000000: 1 frames (--frames): allowed are 3"));
 }
 
 // The pipeline with memory, which computes the same from the outside.
