@@ -106,8 +106,9 @@ void StageMonitor::FrameOut(const FrameId& id, Clock::time_point arrived,
     }
   }
   if (sample.age_ms < -kClockSlackMs) {
-    HoldLocked(clock_warning_, FutureText(id.seq, sample.age_ms), true);
+    HoldLocked(clock_warning_.text, FutureText(id.seq, sample.age_ms), true);
     if (const auto held_back = clock_log_.Pass(now)) {
+      clock_warning_.logged = true;
       LogLine(LogLevel::kWarning, "{}{}", status_.last_error, MoreText(*held_back));
     }
   } else {
@@ -183,8 +184,11 @@ void StageMonitor::HoldWarning(const std::string& reason) {
 
 void StageMonitor::Resolve(const std::string& reason) {
   const std::lock_guard lock(mutex_);
-  std::string resolved = reason;
-  ResolveLocked(resolved);
+  if (reason.empty()) return;
+  EndLocked(reason);
+  if (const auto held_back = over_log_.Pass(now_())) {
+    LogLine(LogLevel::kInfo, "over: {}{}", reason, MoreText(*held_back));
+  }
 }
 
 void StageMonitor::TellLocked(const std::string& error) {
@@ -202,12 +206,17 @@ void StageMonitor::HoldLocked(std::string& held, const std::string& text, bool s
 
 std::string StageMonitor::NewestHeldLocked() const { return held_.empty() ? "" : held_.back(); }
 
-void StageMonitor::ResolveLocked(std::string& reason) {
-  if (reason.empty()) return;
-  std::erase(held_, reason);
-  if (status_.last_error == reason) status_.last_error = NewestHeldLocked();
-  LogLine(LogLevel::kInfo, "over: {}", reason);
-  reason.clear();
+void StageMonitor::EndLocked(const std::string& held) {
+  std::erase(held_, held);
+  if (status_.last_error == held) status_.last_error = NewestHeldLocked();
+}
+
+// What comes and goes with every frame gets no more such lines than it gets warnings.
+void StageMonitor::ResolveLocked(OwnWarning& warning) {
+  if (warning.text.empty()) return;
+  EndLocked(warning.text);
+  if (warning.logged) LogLine(LogLevel::kInfo, "over: {}", warning.text);
+  warning = {};
 }
 
 void StageMonitor::SetTofOffset(const TofOffsetStatus& offset) {
@@ -216,15 +225,16 @@ void StageMonitor::SetTofOffset(const TofOffsetStatus& offset) {
   status_.tof_offset = offset;
   if (!offset.is_off) return ResolveLocked(offset_warning_);
   const bool is_due = now_() >= next_offset_warning_;
-  if (!is_due && !offset_warning_.empty()) return;
+  if (!is_due && !offset_warning_.text.empty()) return;
   char text[160];
   std::snprintf(text, sizeof text,
                 "the ToF camera's points are off by (%.1f, %.1f) px in the left image: calibrate "
                 "again; refine { align_tof: true } corrects it until then",
                 -static_cast<double>(offset.u_px), -static_cast<double>(offset.v_px));
-  HoldLocked(offset_warning_, text, true);
+  HoldLocked(offset_warning_.text, text, true);
   if (!is_due) return;
   next_offset_warning_ = now_() + kWarningPeriod;
+  offset_warning_.logged = true;
   LogLine(LogLevel::kWarning, text);
 }
 
@@ -233,9 +243,10 @@ void StageMonitor::SetRangeError(const std::optional<std::string>& text) {
   const std::lock_guard lock(mutex_);
   if (text->empty()) return ResolveLocked(range_warning_);
   const bool is_due = now_() >= next_range_warning_;
-  HoldLocked(range_warning_, *text, is_due);
+  HoldLocked(range_warning_.text, *text, is_due);
   if (!is_due) return;
   next_range_warning_ = now_() + kWarningPeriod;
+  range_warning_.logged = true;
   LogLine(LogLevel::kWarning, *text);
 }
 
@@ -280,7 +291,10 @@ StageStatus StageMonitor::Snapshot() const {
   });
   if (samples_.end() - first >= 2) {
     const double span_ms = Milliseconds(samples_.back().finished - first->finished);
-    status.rate_hz = 1000 * static_cast<double>(samples_.end() - first - 1) / span_ms;
+    // Frames of one moment have no rate, and a status with an infinite one would be refused.
+    if (span_ms > 0) {
+      status.rate_hz = 1000 * static_cast<double>(samples_.end() - first - 1) / span_ms;
+    }
   }
   status.rss_bytes = ResidentBytes();
   return status;

@@ -102,10 +102,17 @@ class StageMonitor {
     double age_ms;
   };
 
+  // A warning of this object that holds; empty: it does not.
+  struct OwnWarning {
+    std::string text;
+    bool logged = false;  // the log has a line of it, and so gets one when it is over
+  };
+
   void TellLocked(const std::string& error);
   void HoldLocked(std::string& held, const std::string& text, bool show);
   std::string NewestHeldLocked() const;
-  void ResolveLocked(std::string& reason);
+  void EndLocked(const std::string& held);
+  void ResolveLocked(OwnWarning& warning);
 
   std::function<Clock::time_point()> now_;
   mutable std::mutex mutex_;
@@ -115,13 +122,14 @@ class StageMonitor {
   LogLimiter degenerate_log_;
   LogLimiter failed_log_;
   LogLimiter clock_log_;
+  LogLimiter over_log_;            // of Resolve()
   Clock::time_point trouble_{};    // the newest error or loss
   std::vector<std::string> held_;  // warnings that hold now, the newest last
   Clock::time_point next_offset_warning_{};
   Clock::time_point next_range_warning_{};
-  std::string clock_warning_;   // of those that hold
-  std::string offset_warning_;  // the same
-  std::string range_warning_;   // the same
+  OwnWarning clock_warning_;
+  OwnWarning offset_warning_;
+  OwnWarning range_warning_;
 };
 
 }  // namespace sprout

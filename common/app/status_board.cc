@@ -160,7 +160,7 @@ bool StatusBoard::Add(const StageStatus& message, Clock::time_point now) {
              now - entry.second.when > kStaleAfter;
     });
     if (ended == heard_.end()) {
-      ++bad_;
+      ++left_out_.no_room;
       return false;
     }
     heard_.erase(ended);
@@ -177,13 +177,19 @@ size_t StatusBoard::RankOf(const std::string& stage) const {
                              expected_.begin());
 }
 
+bool StatusBoard::IsExpected(const std::string& stage) const {
+  return RankOf(stage) < expected_.size();
+}
+
 std::vector<BoardRow> StatusBoard::Rows(Clock::time_point now) const {
   std::vector<BoardRow> rows;
-  std::map<std::string, int> alive;  // processes of each stage
+  std::map<std::string, int> alive;              // processes of each stage
+  std::map<std::string, double> least_silent_s;  // of any process of each stage
   for (const auto& [process, heard] : heard_) {
     const bool is_losing = heard.loss && now - *heard.loss < kRecent;
     BoardRow row{.status = heard.newest,
                  .health = is_losing ? Health::kLosing : Health::kGood,
+                 .is_expected = IsExpected(heard.newest.stage),
                  .silent_s = std::chrono::duration<double>(now - heard.when).count()};
     if (!heard.newest.last_error.empty()) {
       row.error_age_s = std::chrono::duration<double>(now - heard.error_since).count();
@@ -196,12 +202,15 @@ std::vector<BoardRow> StatusBoard::Rows(Clock::time_point now) const {
     } else {
       ++alive[heard.newest.stage];
     }
+    const auto [least, is_first] = least_silent_s.try_emplace(heard.newest.stage, row.silent_s);
+    if (!is_first) least->second = std::min(least->second, row.silent_s);
     rows.push_back(std::move(row));
   }
-  // A process that was replaced is of no interest any more.
+  // A process that was replaced is of no interest any more, also when its successor has ended.
   std::erase_if(rows, [&](const BoardRow& row) {
-    const bool gone = row.health == Health::kStopped || row.health == Health::kStale;
-    return gone && alive.contains(row.status.stage);
+    if (row.health != Health::kStopped && row.health != Health::kStale) return false;
+    const std::string& stage = row.status.stage;
+    return alive.contains(stage) || row.silent_s > least_silent_s.at(stage);
   });
   for (BoardRow& row : rows) {
     if (const auto found = alive.find(row.status.stage);
@@ -213,7 +222,9 @@ std::vector<BoardRow> StatusBoard::Rows(Clock::time_point now) const {
     const bool heard = std::any_of(rows.begin(), rows.end(),
                                    [&](const BoardRow& row) { return row.status.stage == stage; });
     if (heard) continue;
-    rows.emplace_back().status.stage = stage;
+    BoardRow& row = rows.emplace_back();
+    row.status.stage = stage;
+    row.is_expected = true;
   }
   std::stable_sort(rows.begin(), rows.end(), [this](const BoardRow& a, const BoardRow& b) {
     const auto rank = [this](const BoardRow& row) { return RankOf(row.status.stage); };
@@ -224,7 +235,7 @@ std::vector<BoardRow> StatusBoard::Rows(Clock::time_point now) const {
 
 bool IsWhole(const std::vector<BoardRow>& rows) {
   return std::all_of(rows.begin(), rows.end(), [](const BoardRow& row) {
-    return row.health == Health::kGood || row.health == Health::kLosing;
+    return !row.is_expected || row.health == Health::kGood || row.health == Health::kLosing;
   });
 }
 
@@ -260,7 +271,19 @@ std::string BoardText(const std::vector<BoardRow>& rows, bool colour) {
   return text;
 }
 
-std::string BoardJson(const std::vector<BoardRow>& rows) {
+std::string LeftOutText(const LeftOut& left_out) {
+  std::string text;
+  if (left_out.unreadable > 0) {
+    text += fmt::format("{} statuses could not be read\n", left_out.unreadable);
+  }
+  if (left_out.no_room > 0) {
+    text += fmt::format("{} statuses of further processes are not shown: there is room for {}\n",
+                        left_out.no_room, StatusBoard::kMaxProcesses);
+  }
+  return text;
+}
+
+std::string BoardJson(const std::vector<BoardRow>& rows, const std::optional<LeftOut>& left_out) {
   nlohmann::ordered_json stages = nlohmann::ordered_json::array();
   for (const BoardRow& row : rows) {
     const StageStatus& s = row.status;
@@ -299,7 +322,12 @@ std::string BoardJson(const std::vector<BoardRow>& rows) {
     }
     stages.push_back(std::move(stage));
   }
-  const nlohmann::ordered_json board{{"whole", IsWhole(rows)}, {"stages", std::move(stages)}};
+  nlohmann::ordered_json board{{"whole", IsWhole(rows)}};
+  if (left_out) {
+    board["unreadable"] = left_out->unreadable;
+    board["no_room"] = left_out->no_room;
+  }
+  board["stages"] = std::move(stages);
   // Names come from the network and need not be UTF-8.
   return board.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }

@@ -27,10 +27,17 @@ enum class Health {
 struct BoardRow {
   StageStatus status;  ///< of a missing stage only the name
   Health health = Health::kMissing;
-  double silent_s = 0;  ///< since its newest status
+  bool is_expected = false;  ///< its stage must be there
+  double silent_s = 0;       ///< since its newest status
   /// Time since last_error was heard first; nothing if there is no error.
   std::optional<double> error_age_s = {};
   bool error_was_there = false;  ///< last_error is older than the board: the age is a least one
+};
+
+/// Statuses that are in no row.
+struct LeftOut {
+  int64_t unreadable = 0;  ///< messages that are no status
+  int64_t no_room = 0;     ///< of processes beyond StatusBoard::kMaxProcesses
 };
 
 /// Keeps the newest status of every process that reports, and judges them. Not thread-safe.
@@ -54,14 +61,13 @@ class StatusBoard {
   bool Add(const StageStatus& message, Clock::time_point now);
 
   /// A status could not be read.
-  void AddBad() { ++bad_; }
+  void AddUnreadable() { ++left_out_.unreadable; }
 
-  /// Expected stages first and in their order, then the others by name; of one stage the oldest
-  /// process first.
+  /// Expected stages first and in their order, then the others by name. Of a stage that runs, every
+  /// process that does; of one that does not, the process that was heard last.
   std::vector<BoardRow> Rows(Clock::time_point now) const;
 
-  /// Statuses that could not be read, or found no room.
-  int64_t bad() const { return bad_; }
+  const LeftOut& left_out() const { return left_out_; }
 
  private:
   using Process = std::tuple<std::string, std::string, int32_t>;  // stage, host, pid
@@ -75,13 +81,14 @@ class StatusBoard {
   };
 
   size_t RankOf(const std::string& stage) const;
+  bool IsExpected(const std::string& stage) const;
 
   std::vector<std::string> expected_;
   std::map<Process, Heard> heard_;
-  int64_t bad_ = 0;
+  LeftOut left_out_;
 };
 
-/// Whether every row is good or losing: each expected stage reports exactly once.
+/// Whether each expected stage reports exactly once. Others may be twice, or have ended.
 bool IsWhole(const std::vector<BoardRow>& rows);
 
 /// "good", "losing", "twice", "stale", "stopped", "missing".
@@ -92,9 +99,14 @@ std::string_view NameOf(Health health);
 /// @param colour  with ANSI colours for the health.
 std::string BoardText(const std::vector<BoardRow>& rows, bool colour);
 
-/// The board as one line of JSON: {"whole": bool, "stages": [{"stage": ..., "health": ..., and the
-/// fields of stage_status_t that are numbers or texts}]}.
-std::string BoardJson(const std::vector<BoardRow>& rows);
+/// A line for people of each kind of status that was left out; empty when none was.
+std::string LeftOutText(const LeftOut& left_out);
+
+/// The board as one line of JSON: {"whole": bool, "unreadable": ..., "no_room": ..., "stages":
+/// [{"stage": ..., "health": ..., and the fields of stage_status_t that are numbers or texts}]}.
+/// @param left_out  nothing: it is not known, and the two numbers are not there.
+std::string BoardJson(const std::vector<BoardRow>& rows,
+                      const std::optional<LeftOut>& left_out = {});
 
 }  // namespace sprout
 

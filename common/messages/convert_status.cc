@@ -59,6 +59,15 @@ Result<StageStatus> FromMessage(const stage_status_t& message) {
       .Require(message.tof_coverage == kUnknownCoverage ||
                    (message.tof_coverage >= 0 && message.tof_coverage <= 1),
                "tof_coverage", message.tof_coverage, "0 to 1, or -1 for not known")
+      .Finite("rate_hz", message.rate_hz)
+      .Finite("latency_p50_ms", message.latency_p50_ms)
+      .Finite("latency_p95_ms", message.latency_p95_ms)
+      .Finite("latency_p99_ms", message.latency_p99_ms)
+      .Finite("latency_max_ms", message.latency_max_ms)
+      .Finite("age_p50_ms", message.age_p50_ms)
+      .Finite("age_p95_ms", message.age_p95_ms)
+      .Finite("age_p99_ms", message.age_p99_ms)
+      .Finite("age_max_ms", message.age_max_ms)
       .Finite("spread_ms", message.spread_ms)
       .Finite("tof_offset_u_px", message.tof_offset_u_px)
       .Finite("tof_offset_v_px", message.tof_offset_v_px)

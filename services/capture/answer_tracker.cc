@@ -51,7 +51,8 @@ void AnswerTracker::OnStatus(std::span<const uint8_t> bytes) {
   if (!status) return monitor_.BadMessage(kStatusChannel, status.error().text);
   duplicates_.Heard(*status);
   const std::lock_guard lock(mutex_);
-  silent_.erase(status->stage);
+  // The last status of a process that ends does not mean that the stage is there.
+  if (status->state != StageStatus::State::kStopped) silent_.erase(status->stage);
 }
 
 void AnswerTracker::OnDisparity(std::span<const uint8_t> bytes) {

@@ -12,10 +12,14 @@ Recorder::Recorder(const std::optional<RingOptions>& ring, LogFolder& folder) : 
 }
 
 void Recorder::Add(RecordedEvent event) {
-  if (!ring_) return folder_.Write(event);
+  if (!ring_) {
+    ++unwritten_;
+    return Write(event);
+  }
   if (until_ && event.arrived <= *until_) {
+    ++unwritten_;
     WriteMissing();  // a trigger and messages may change places by µs
-    folder_.Write(event);
+    Write(event);
     ring_->Add(std::move(event));
   } else {
     ring_->Add(std::move(event));
@@ -39,10 +43,16 @@ bool Recorder::Trigger(Time now) {
   return begins;
 }
 
+// Of an event that is counted as unwritten.
+void Recorder::Write(const RecordedEvent& event) {
+  folder_.Write(event);
+  --unwritten_;
+}
+
 void Recorder::WriteMissing() {
   const auto& events = ring_->events();
-  for (size_t i = events.size() - missing_; i < events.size(); ++i) folder_.Write(events[i]);
-  missing_ = 0;
+  unwritten_ += static_cast<int64_t>(missing_);
+  for (; missing_ > 0; --missing_) Write(events[events.size() - missing_]);
 }
 
 void Recorder::CloseIfApart() {

@@ -40,10 +40,14 @@ class Recorder {
   /// Ends the open log. @throws LogError.
   void Finish() { folder_.Close(); }
 
+  /// Messages that were to be written and were not: 0 until something above has thrown.
+  int64_t unwritten() const { return unwritten_; }
+
   /// The ring; nullptr: there is none.
   const EventRing* ring() const { return ring_ ? &*ring_ : nullptr; }
 
  private:
+  void Write(const RecordedEvent& event);
   void WriteMissing();
   void CloseIfApart();
 
@@ -52,6 +56,7 @@ class Recorder {
   std::optional<EventRing> ring_;
   std::optional<Time> until_;  // end of the open log; none: no open log
   size_t missing_ = 0;         // newest messages of the ring that are not in the open log
+  int64_t unwritten_ = 0;
 };
 
 }  // namespace sprout::record

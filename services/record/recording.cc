@@ -206,7 +206,9 @@ void Recording::Finish() {
   receiver_.reset();
   queue_.Close();
   writing_.join();
-  unwritten_ = static_cast<int64_t>(queue_.size()) + (failed_ ? 1 : 0);
+  unwritten_ = static_cast<int64_t>(queue_.size());
+  // At least the message that it failed at, which may not have come as far as the recorder.
+  if (failed_) unwritten_ += std::max<int64_t>(recorder_.unwritten(), 1);
   if (!options_.ring && !failed_ && folder_.events() == 0) {
     monitor_.Warn("nothing came; is the graph running with this --lcm-url and --channel-prefix?");
   }

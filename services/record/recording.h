@@ -89,7 +89,7 @@ class Recording {
   std::map<Part, SequenceGaps> gaps_;  // of the receiving thread
   std::atomic<int64_t> dropped_ = 0;   // messages that did not fit into the queue
   int64_t triggers_ = 0;               // of the writing thread, as all below
-  int64_t unwritten_ = 0;              // messages waiting when writing failed
+  int64_t unwritten_ = 0;              // messages lost since writing failed
   std::optional<MessageCompressor> compressor_;
   int64_t uncompressed_bytes_ = 0;  // of the messages that it made smaller
   int64_t compressed_bytes_ = 0;

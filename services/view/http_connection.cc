@@ -67,7 +67,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     keep_alive_ = request_.keep_alive();
     const HttpRequest request = ViewOf(request_);
     host_ = IsOwnHost(request.host) ? std::string(request.host) : std::string();
-    if (beast::websocket::is_upgrade(request_)) return Upgrade(request);
+    const bool is_upgrade = beast::websocket::is_upgrade(request_);
+    if (is_upgrade || request.target == "/ws") return ServeWebSocket(request, is_upgrade);
     // Making the answer may take a second: not here, where everybody would wait. The connection
     // goes back to the thread of the sockets, which alone may end it.
     boost::asio::post(state_.requests, [self = shared_from_this()]() mutable {
@@ -79,7 +80,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     });
   }
 
-  void Upgrade(const HttpRequest& request) {
+  // A browser tells a page nothing of why its WebSocket was refused. So the page may ask by a plain
+  // request.
+  void ServeWebSocket(const HttpRequest& request, bool is_upgrade) {
     const auto refuse = [this](int status, const char* text) {
       keep_alive_ = false;
       Write({.status = status, .body = text});
@@ -91,6 +94,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (state_.pages.size() >= Server::kMaxPages) {
       return refuse(503, "too many pages are open: allowed are 16\n");
     }
+    if (!is_upgrade) return Write({.status = 200, .body = "there is room for a page\n"});
     stream_.expires_never();
     ServePage(state_, std::move(count_), stream_.release_socket(), std::move(request_));
   }

@@ -12,7 +12,7 @@ constexpr size_t kMaxStages = 32;
 
 int64_t LostOf(const StageStatus& status) {
   return status.frames_skipped + status.frames_incomplete + status.frames_failed +
-         status.frames_degenerate;
+         status.frames_degenerate + status.sequence_gaps;
 }
 
 }  // namespace
@@ -26,6 +26,10 @@ void StatusHistory::Add(const StageStatus& status, int64_t utime,
   Course& course = courses_[status.stage];
   const int64_t seen = course.seen++;
   if (seen % course.step != 0) return;
+  // The clock was set back: plots would run to and fro.
+  while (!keep_all_ && !course.samples.empty() && course.samples.back().utime > utime) {
+    course.samples.pop_back();
+  }
   course.samples.push_back({utime, seen, status});
   if (course.samples.size() <= kMaxSamples) return;
   if (keep_all_) {

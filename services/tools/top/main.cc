@@ -36,16 +36,16 @@ class Listener {
     return board_.Rows(Clock::now());
   }
 
-  int64_t bad() const {
+  LeftOut left_out() const {
     const std::lock_guard lock(mutex_);
-    return board_.bad();
+    return board_.left_out();
   }
 
  private:
   void OnStatus(std::span<const uint8_t> bytes) {
     const Result<StageStatus> status = DecodeStatus(bytes);
     const std::lock_guard lock(mutex_);
-    status ? static_cast<void>(board_.Add(*status, Clock::now())) : board_.AddBad();
+    status ? static_cast<void>(board_.Add(*status, Clock::now())) : board_.AddUnreadable();
   }
 
   mutable std::mutex mutex_;
@@ -56,12 +56,11 @@ class Listener {
 void Show(const Listener& listener, const Options& options, bool screen) {
   const std::vector<BoardRow> rows = listener.Rows();
   if (options.json) {
-    std::cout << BoardJson(rows) << std::endl;
+    std::cout << BoardJson(rows, listener.left_out()) << std::endl;
     return;
   }
   constexpr std::string_view kHome = "\x1b[H\x1b[J";  // cursor to the corner, rest of screen empty
-  std::string text = BoardText(rows, screen);
-  if (listener.bad() > 0) text += std::to_string(listener.bad()) + " statuses could not be read\n";
+  const std::string text = BoardText(rows, screen) + LeftOutText(listener.left_out());
   std::cout << (screen ? kHome : "") << text << std::flush;
 }
 
@@ -83,8 +82,8 @@ int Main(int argc, char** argv) {
       "Shows the state of every process of the running graph once a second: newest frame, rate,\n"
       "frames answered, time a frame and age of the answer (ms, median and 99 %), frames that "
       "were\nskipped, incomplete, missing or failed, bad messages, memory, and the share of the "
-      "image that\nToF seeds cover. Exit code 1 when a stage is missing, stale, stopped, or "
-      "running twice.");
+      "image that\nToF seeds cover. Exit code 1 when one of --stages is missing, stale, "
+      "stopped, or\nrunning twice.");
   Options options;
   service.flags()
       .Add("--stages", options.stages, "Stages that must be running")

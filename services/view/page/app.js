@@ -30,6 +30,7 @@ class App {
     this.connection = new Connection({
       open: () => this.opened(),
       closed: () => this.closed(),
+      refused: (why) => this.refused(why),
       frame: (head) => this.draw(head),
       text: (message) => this.onText(message),
     });
@@ -48,9 +49,17 @@ class App {
   }
 
   closed() {
+    this.lose('no answer', 'sprout-view does not answer; it is called again until it does.');
+  }
+
+  refused(why) {
+    this.lose('refused', `sprout-view refuses this page: ${why}; it is called again until it takes it.`);
+  }
+
+  lose(mode, text) {
     document.body.classList.add('stale');
-    this.setMode('lost', 'no answer');
-    this.say('sprout-view does not answer; it is called again until it does.', true);
+    this.setMode('lost', mode);
+    this.say(text, true);
   }
 
   onText(message) {

@@ -16,7 +16,18 @@ export function readPacket(buffer) {
   return head;
 }
 
-/// Calls handlers.open(), .closed(), .frame(head), and .text(message) for everything else.
+/// Why the server refuses a page, in its own words; empty when nobody answers, or nothing is wrong.
+async function refusal() {
+  try {
+    const answer = await fetch('/ws', {signal: AbortSignal.timeout(kMaxSilence * 1000)});
+    return answer.ok ? '' : (await answer.text()).trim();
+  } catch {
+    return '';
+  }
+}
+
+/// Calls handlers.open(), .closed(), .refused(why), .frame(head), and .text(message) for everything
+/// else.
 export class Connection {
   constructor(handlers) {
     this.handlers = handlers;
@@ -37,9 +48,11 @@ export class Connection {
 
   open() {
     this.socket = new WebSocket(`ws://${location.host}/ws`);
+    let opened = false;
     this.socket.binaryType = 'arraybuffer';
     this.silence = 0;
     this.socket.onopen = () => {
+      opened = true;
       this.wait = kFirstWait;
       this.handlers.open();
     };
@@ -49,10 +62,19 @@ export class Connection {
       else this.handlers.frame(readPacket(data));
     };
     this.socket.onclose = () => {
-      this.handlers.closed();
+      if (opened) this.handlers.closed();
+      else this.tellWhy();
       setTimeout(() => this.open(), this.wait);
       this.wait = Math.min(2 * this.wait, kLongestWait);
     };
+  }
+
+  // For a socket that did not open: the browser does not tell whether it was refused.
+  async tellWhy() {
+    const why = await refusal();
+    if (this.socket.readyState === WebSocket.OPEN) return;  // meanwhile
+    if (why) this.handlers.refused(why);
+    else this.handlers.closed();
   }
 
   send(message) {

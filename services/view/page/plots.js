@@ -14,7 +14,7 @@ const kColumns = [
 const kLines = ['#6fb3a8', '#d9a648'];
 
 function lostOf(s) {
-  return s.frames_skipped + s.frames_incomplete + s.frames_failed + s.frames_degenerate;
+  return s.frames_skipped + s.frames_incomplete + s.frames_failed + s.frames_degenerate + s.sequence_gaps;
 }
 
 export class Plots {
@@ -51,8 +51,10 @@ export class Plots {
   }
 
   show() {
+    const board = this.board;
+    this.board = undefined;  // first: whatever happens here, the next board is drawn
     const names = new Set();
-    for (const status of this.board.stages) {
+    for (const status of board.stages) {
       const name = status.pid === undefined ? status.stage : `${status.stage} ${status.host}:${status.pid}`;
       names.add(name);
       if (!this.rows.has(name)) this.rows.set(name, this.addRow(status.stage));
@@ -65,13 +67,16 @@ export class Plots {
       row.remove();
       this.rows.delete(name);
     }
-    this.board = undefined;
   }
 
   addSample(status, seconds) {
     const course = this.courses[status.stage] ??=
         {t: [], rate_hz: [], age_p50_ms: [], age_p99_ms: [], lost: [], bad: [], rss_mb: []};
-    if (course.t.at(-1) >= seconds - 0.5) return;  // a second process of the stage
+    if (Math.abs(seconds - course.t.at(-1)) < 0.5) return;  // a second process of the stage
+    const kept = course.t.findIndex((t) => t >= seconds);  // the server's clock was set back
+    if (kept >= 0) {
+      for (const values of Object.values(course)) values.length = kept;
+    }
     const sample = {t: seconds, rate_hz: status.rate_hz, age_p50_ms: status.age_p50_ms,
                     age_p99_ms: status.age_p99_ms, lost: lostOf(status), bad: status.bad_messages,
                     rss_mb: status.rss_bytes / 2 ** 20};

@@ -261,6 +261,40 @@ TEST_F(StageMonitorTest, TakesBackWhatIsOverUnlessSomethingElseCame) {
   EXPECT_EQ(monitor_.Snapshot().last_error, "the bus is gone");
 }
 
+TEST_F(StageMonitorTest, SaysNoMoreOftenThatSomethingIsOverThanThatItBegan) {
+  const TofOffsetStatus off{.u_px = 2.5F, .v_px = -1, .sigma_px = 0.25F, .is_off = true};
+  const TofOffsetStatus small{.u_px = 0.1F, .v_px = 0, .sigma_px = 0.25F, .is_off = false};
+  for (int64_t seq = 0; seq < 100; seq += 2) {  // frames that differ, within a second
+    monitor_.SetTofOffset(off);
+    monitor_.SetTofOffset(small);
+    monitor_.SetRangeError("off by +10 mm");
+    monitor_.SetRangeError("");
+    monitor_.FrameOut({.utime = NowUtime() + 60'000'000, .seq = seq, .rig_id = ""}, now_, "");
+    monitor_.FrameOut({.utime = NowUtime(), .seq = seq + 1, .rig_id = ""}, now_, "");
+    monitor_.HoldWarning("no whole frame");
+    monitor_.Resolve("no whole frame");
+  }
+  EXPECT_EQ(monitor_.Snapshot().last_error, "");
+  const auto count = [&](const char* text) {
+    return std::ranges::count_if(log_.Lines(), [&](const std::string& line) {
+      return line.find("over:") != std::string::npos && line.find(text) != std::string::npos;
+    });
+  };
+  EXPECT_EQ(count("calibrate again"), 1);
+  EXPECT_EQ(count("off by +10 mm"), 1);
+  EXPECT_EQ(count("in the future"), 1);
+  EXPECT_EQ(count("no whole frame"), 1);
+  now_ += std::chrono::seconds(1);
+  monitor_.HoldWarning("no whole frame");
+  monitor_.Resolve("no whole frame");
+  EXPECT_EQ(count("no whole frame (49 more since the last such line)"), 1);
+}
+
+TEST_F(StageMonitorTest, HasNoRateOfFramesOfOneMoment) {
+  for (int64_t seq = 0; seq < 3; ++seq) monitor_.FrameOut(IdOf(seq), now_, "");
+  EXPECT_EQ(monitor_.Snapshot().rate_hz, 0);
+}
+
 TEST_F(StageMonitorTest, TellsAnErrorOfOneFrameUntilAMinuteWasAnsweredWithoutALoss) {
   const auto error_after = [&](std::chrono::seconds time, bool answered) {
     now_ += time;

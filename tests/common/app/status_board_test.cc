@@ -89,6 +89,34 @@ TEST_F(StatusBoardTest, NoticesTwoProcessesOfOneStageButNotASuccessor) {
   EXPECT_THAT(Seen(milliseconds(3600)), ElementsAre("capture good", "grow good"));
 }
 
+TEST_F(StatusBoardTest, IsWholeWhateverTheOthersDo) {
+  board_.Add(Status("capture"), start_);
+  board_.Add(Status("grow"), start_);
+  board_.Add(Status("view", 1), start_);
+  board_.Add(Status("view", 2), start_);
+  StageStatus stopped = Status("depth");
+  stopped.state = StageStatus::State::kStopped;
+  board_.Add(stopped, start_);
+  EXPECT_THAT(Seen(), ElementsAre("capture good", "grow good", "depth stopped", "view twice",
+                                  "view twice"));
+  EXPECT_TRUE(Whole());
+  EXPECT_TRUE(nlohmann::json::parse(BoardJson(board_.Rows(start_)))["whole"]);
+}
+
+TEST_F(StatusBoardTest, ShowsOfAStageThatEndedOnlyTheProcessThatWasHeardLast) {
+  const auto stop = [&](int32_t pid, milliseconds after) {
+    StageStatus status = Status("grow", pid);
+    status.state = StageStatus::State::kStopped;
+    board_.Add(status, start_ + after);
+  };
+  board_.Add(Status("capture"), start_ + milliseconds(5000));
+  board_.Add(Status("grow", 3), start_);  // killed: it said nothing more
+  stop(2, milliseconds(1000));
+  stop(1, milliseconds(5000));
+  EXPECT_THAT(Seen(milliseconds(5000)), ElementsAre("capture good", "grow stopped"));
+  EXPECT_EQ(board_.Rows(start_ + milliseconds(5000)).back().status.pid, 1);
+}
+
 TEST_F(StatusBoardTest, SaysWhoLosesNow) {
   StageStatus status = Status("grow");
   status.frames_skipped = 5;
@@ -150,7 +178,22 @@ TEST_F(StatusBoardTest, KeepsNoMoreThan64Processes) {
   for (int pid = 0; pid < 64; ++pid) EXPECT_TRUE(board_.Add(Status("grow", pid), start_));
   EXPECT_FALSE(board_.Add(Status("grow", 64), start_));
   EXPECT_TRUE(board_.Add(Status("grow", 63), start_));
-  EXPECT_EQ(board_.bad(), 1);
+  EXPECT_EQ(board_.left_out().no_room, 1);
+  EXPECT_EQ(board_.left_out().unreadable, 0) << "nothing was wrong with it";
+}
+
+TEST_F(StatusBoardTest, TellsStatusesThatCannotBeReadFromThoseWithoutRoom) {
+  EXPECT_EQ(LeftOutText(board_.left_out()), "");
+  for (int i = 0; i < 2; ++i) board_.AddUnreadable();
+  EXPECT_EQ(LeftOutText(board_.left_out()), "2 statuses could not be read\n");
+  for (int pid = 0; pid < 64 + 15; ++pid) board_.Add(Status("grow", pid), start_);
+  EXPECT_EQ(LeftOutText(board_.left_out()),
+            "2 statuses could not be read\n"
+            "15 statuses of further processes are not shown: there is room for 64\n");
+  const auto json = nlohmann::json::parse(BoardJson(board_.Rows(start_), board_.left_out()));
+  EXPECT_EQ(json["unreadable"], 2);
+  EXPECT_EQ(json["no_room"], 15);
+  EXPECT_FALSE(nlohmann::json::parse(BoardJson({})).contains("no_room")) << "it is not known";
 }
 
 TEST_F(StatusBoardTest, MakesRoomForAStageThatIsStartedAgainAndAgain) {
@@ -164,7 +207,7 @@ TEST_F(StatusBoardTest, MakesRoomForAStageThatIsStartedAgainAndAgain) {
     EXPECT_TRUE(board_.Add(Status("grow", pid), start_ + later)) << "in place of a silent one";
   }
   EXPECT_TRUE(board_.Add(Status("capture"), start_ + later));
-  EXPECT_EQ(board_.bad(), 0);
+  EXPECT_EQ(board_.left_out().no_room, 0);
   EXPECT_EQ(Seen(later).front(), "capture good");
 }
 

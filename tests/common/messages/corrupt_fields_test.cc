@@ -322,6 +322,30 @@ TEST(StatusBorder, RefusesACoverageThatIsNoShare) {
   }
 }
 
+TEST(StatusBorder, RefusesRatesAndTimesThatAreNoNumbers) {
+  const std::pair<const char*, double stage_status_t::*> table[] = {
+      {"rate_hz", &stage_status_t::rate_hz},
+      {"latency_p50_ms", &stage_status_t::latency_p50_ms},
+      {"latency_p95_ms", &stage_status_t::latency_p95_ms},
+      {"latency_p99_ms", &stage_status_t::latency_p99_ms},
+      {"latency_max_ms", &stage_status_t::latency_max_ms},
+      {"age_p50_ms", &stage_status_t::age_p50_ms},
+      {"age_p95_ms", &stage_status_t::age_p95_ms},
+      {"age_p99_ms", &stage_status_t::age_p99_ms},
+      {"age_max_ms", &stage_status_t::age_max_ms}};
+  for (const auto& [name, field] : table) {
+    stage_status_t message = ToMessage(examples::Status());
+    message.*field = -1;  // an age is negative when the clocks of two hosts differ
+    EXPECT_TRUE(DecodeStatus(examples::Encode(message))) << name;
+    for (const double value : {kNan, kInf, -kInf}) {
+      message.*field = value;
+      const auto decoded = DecodeStatus(examples::Encode(message));
+      ASSERT_FALSE(decoded) << name;
+      EXPECT_THAT(decoded.error().text, HasSubstr(std::string(name) + " = "));
+    }
+  }
+}
+
 TEST(StatusBorder, RefusesAnUnknownStateAndABadHeader) {
   stage_status_t message = ToMessage(examples::Status());
   message.state = 3;

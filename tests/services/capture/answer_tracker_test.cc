@@ -4,6 +4,7 @@
 
 #include <future>
 #include <limits>
+#include <thread>
 
 #include "common/messages/codec.h"
 #include "tests/common/app/captured_log.h"
@@ -35,9 +36,10 @@ class AnswersTest : public ::testing::Test {
                                  DisparityEncoding::kRawInt16)));
   }
 
-  void SendStatus(const std::string& stage) {
+  void SendStatus(const std::string& stage, StageStatus::State state = StageStatus::State::kReady) {
     StageStatus status;
     status.stage = stage;
+    status.state = state;
     server_.Send("SPROUT_STATUS", Text(EncodeStatus(status)));
   }
 
@@ -93,6 +95,17 @@ TEST_F(AnswersTest, NamesTheStagesThatHaveNotReported) {
   for (const char* stage : {"refine", "somebody else"}) SendStatus(stage);
   EXPECT_THAT(answers_->WaitForStages(StageMonitor::Clock::now(), {}).size(), testing::Ge(1U));
   SendStatus("grow");
+  EXPECT_THAT(answers_->WaitForStages(Soon(), {}), ElementsAre());
+}
+
+TEST_F(AnswersTest, TakesTheLastStatusOfAStageForNoPresence) {
+  Start({"refine", "grow"});
+  SendStatus("grow", StageStatus::State::kStopped);
+  SendStatus("refine");
+  const auto silent = [&] { return answers_->WaitForStages(StageMonitor::Clock::now(), {}); };
+  while (silent().contains("refine")) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_THAT(silent(), ElementsAre("grow")) << "it was stopped";
+  SendStatus("grow", StageStatus::State::kRunning);
   EXPECT_THAT(answers_->WaitForStages(Soon(), {}), ElementsAre());
 }
 

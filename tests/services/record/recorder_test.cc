@@ -162,5 +162,37 @@ TEST_F(RecorderTest, EndsTheLogWhenItIsStopped) {
   EXPECT_THAT(Seconds(1), ElementsAre(1, 2, 3, 99));
 }
 
+// A full disk, as the quota is one.
+TEST_F(RecorderTest, CountsWhatATriggerAskedForAndDidNotFit) {
+  const int64_t bytes = RecordingFile::BytesOf(MakeRecorded(0));
+  LogFolder small({.folder = directory_ / "small",
+                   .max_file_bytes = 1'000'000,
+                   .quota_bytes = 2 * bytes + bytes / 2},
+                  [] { return MakeRecorded(99); });
+  Recorder recorder({{.length = seconds(30), .max_bytes = 1'000'000, .after = seconds(2)}}, small);
+  AddFromTo(recorder, 1, 10);
+  EXPECT_EQ(recorder.unwritten(), 0) << "nobody asked for them yet";
+  EXPECT_THROW(TriggerAt(recorder, 10.5), LogError);
+  EXPECT_EQ(small.events(), 2);
+  EXPECT_EQ(recorder.unwritten(), 8);
+}
+
+TEST_F(RecorderTest, CountsTheMessageThatDidNotFitBehindATrigger) {
+  const int64_t bytes = RecordingFile::BytesOf(MakeRecorded(0));
+  for (const bool has_ring : {true, false}) {
+    LogFolder small({.folder = directory_ / (has_ring ? "ring" : "all"),
+                     .max_file_bytes = 1'000'000,
+                     .quota_bytes = 2 * bytes + bytes / 2},
+                    [] { return MakeRecorded(99); });
+    Recorder recorder(has_ring ? std::optional(kRing) : std::nullopt, small);
+    AddFromTo(recorder, 1, 1);
+    TriggerAt(recorder, 1.5);
+    AddFromTo(recorder, 2, 2);
+    EXPECT_EQ(recorder.unwritten(), 0);
+    EXPECT_THROW(recorder.Add(MakeRecorded(3)), LogError);
+    EXPECT_EQ(recorder.unwritten(), 1);
+  }
+}
+
 }  // namespace
 }  // namespace sprout::record

@@ -3,10 +3,12 @@
 in_private_network). Exit code 0 when all is as it should be, 77 where there is no Chromium."""
 
 import argparse
+import contextlib
 import decimal
 import json
 import pathlib
 import signal
+import socket
 import struct
 import subprocess
 import sys
@@ -173,6 +175,7 @@ def numbers_of(stage, board):
     """What the row of a stage must say."""
     status = board[stage]
     lost = sum(status[f"frames_{kind}"] for kind in ("skipped", "incomplete", "failed", "degenerate"))
+    lost += status["sequence_gaps"]
     return [str(status["frames_out"]), fixed(status["rate_hz"], 1),
             f"{fixed(status['age_p50_ms'], 0)} / {fixed(status['age_p99_ms'], 0)}", str(lost),
             str(status["bad_messages"]), fixed(status["rss_bytes"] / 2 ** 20, 0)]
@@ -220,6 +223,25 @@ def check_page(browser):
     check("nothing comes from elsewhere", foreign == [], foreign)
     complaints = browser.complaints()
     check("nothing to complain of in the console", complaints == [], complaints)
+
+
+def check_too_many(browser):
+    """More pages than sprout-view takes."""
+    browser.open("about:blank")
+    request = (f"GET /ws HTTP/1.1\r\nHost: 127.0.0.1:{PORT}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+               "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n").encode()
+    with contextlib.ExitStack() as others:
+        answer = b""
+        while b" 503 " not in answer:
+            other = others.enter_context(socket.create_connection(("127.0.0.1", PORT), timeout=20))
+            other.sendall(request)
+            answer = other.recv(64)
+        browser.open(URL)
+        banner = "document.getElementById('banner').textContent"
+        check("a page too many says so", browser.wait(f"window.sprout && {banner}.includes('too many pages are open')"),
+              browser.run(f"return {banner}"))
+    check("and is taken when there is room", browser.wait("sprout.frames > 0"))
+    browser.complaints()  # those of a page that was refused
 
 
 def check_log(browser, programs, log):
@@ -331,6 +353,7 @@ def main():
                 check_numbers(browser, programs)
                 check_coming_back(browser, programs)
                 check_page(browser)
+                check_too_many(browser)
                 check_log(browser, programs, options.log.resolve())
                 check_measuring(browser, programs, options.log.resolve())
                 check_log_at_frame(browser, programs, options.log.resolve(), seq=3)

@@ -26,6 +26,7 @@ namespace {
 namespace asio = boost::asio;
 namespace beast = boost::beast;
 using asio::ip::tcp;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -115,6 +116,8 @@ class ServerTest : public ::testing::Test {
 };
 
 constexpr char kWish[] = R"({"type":"wish","pictures":{"left":64,"disparity":64},"cloud":true})";
+// What a page asks whose WebSocket was refused.
+constexpr char kRoom[] = "GET /ws HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
 constexpr char kDrawn[] = R"({"type":"drawn"})";
 
 TEST_F(ServerTest, AnswersRequestsOnOneConnectionAfterAnother) {
@@ -195,6 +198,7 @@ TEST_F(ServerTest, Holds50ConnectionsAnd16PagesAndStillAnswers) {
     Say(pages.back(), kWish);
   }
   EXPECT_THROW(Open(), std::exception);
+  EXPECT_THAT(Ask(kRoom), AllOf(StartsWith("HTTP/1.1 503"), HasSubstr("too many pages are open")));
   for (Page& page : pages) EXPECT_EQ(ReadFrame(page), 0);
   EXPECT_THAT(Ask("GET / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"),
               StartsWith("HTTP/1.1 200"));
@@ -212,6 +216,7 @@ TEST_F(ServerTest, Holds50ConnectionsAnd16PagesAndStillAnswers) {
   bool open = opens();
   while (!open && std::chrono::steady_clock::now() < deadline) open = opens();
   EXPECT_TRUE(open);
+  EXPECT_THAT(Ask(kRoom), StartsWith("HTTP/1.1 200"));
 }
 
 // Who asks for a log and never reads it holds it until the server has no more patience.
