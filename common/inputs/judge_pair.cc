@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "common/core/quantile.h"
 #include "common/inputs/occlusion_order.h"
@@ -276,13 +278,10 @@ Finding JudgeContrast(const cv::Mat1b& left, const cv::Mat1b& right, const PairM
   }
   if (logs.size() < PairRules::kFewInliers) return CannotTell(Question::kContrast);
   Finding finding{.question = Question::kContrast};
-  const double log = Median(logs);
-  for (double& value : logs) value = std::abs(value - log);
-  finding.value = std::exp(log);
-  // 1.4826 medians of the deviations are a standard deviation, and 1.2533 of its mean's a median's.
-  finding.sigma =
-      finding.value * 1.2533 * 1.4826 * Median(logs) / std::sqrt(static_cast<double>(logs.size()));
-  const bool is_bad = std::abs(log) > std::log(PairRules::kMaxContrast);
+  const Estimate log = MedianOf(std::move(logs));
+  finding.value = std::exp(log.value);
+  finding.sigma = finding.value * log.sigma;
+  const bool is_bad = std::abs(log.value) > std::log(PairRules::kMaxContrast);
   finding.verdict = is_bad ? Verdict::kBad : Verdict::kGood;
   finding.text = fmt::format("what both images show has {:.2f} times the contrast in the right one",
                              finding.value);

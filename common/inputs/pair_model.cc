@@ -209,4 +209,12 @@ PairModel FitPair(const Matches& matches, cv::Size size) {
   return result;
 }
 
+Estimate MedianOf(std::vector<double> values) {
+  if (values.empty()) return {0, 0};
+  const double median = Median(values);
+  for (double& value : values) value = std::abs(value - median);
+  // The standard deviation of a median of normal deviates is 1.2533 times that of their mean.
+  return {median, 1.2533 * 1.4826 * Median(values) / std::sqrt(static_cast<double>(values.size()))};
+}
+
 }  // namespace sprout::inputs

@@ -14,6 +14,9 @@ struct Estimate {
   double sigma = 0;
 };
 
+/// Their median, and its standard deviation as that of normal deviates; 0 and 0 of none. O(n).
+Estimate MedianOf(std::vector<double> values);
+
 /// How many rows the right image lies lower than the left one, and which matches say so:
 ///
 ///   y' − y = a + b · x + c · y                      rows, roll, focal length       (1)

@@ -265,14 +265,6 @@ double BestFactor(const std::vector<double>& logs) {
   return near.empty() ? 1 : std::exp(Median(near));
 }
 
-Estimate MedianOf(std::vector<double> values) {
-  if (values.empty()) return {0, 0};
-  const double median = Median(values);
-  for (double& value : values) value = std::abs(value - median);
-  // The standard deviation of a median of normal deviates is 1.2533 times that of their mean.
-  return {median, 1.2533 * 1.4826 * Median(values) / std::sqrt(static_cast<double>(values.size()))};
-}
-
 // Ranges of another unit are seen from elsewhere, so the factor is found in two steps.
 Agreement BestScaled(const Comparison& comparison, std::span<const RangePixel> pixels) {
   Agreement best;
