@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <span>
@@ -358,11 +359,20 @@ RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
   RangeModel model;
   const std::vector<RangePixel> all = Collect(tof, model);
   if (all.empty()) return model;
-  model.repeated = FindRepeatedRange(matches, tof, projector);
   const RectifiedPair& pair = projector.rig().pair;
   const Comparison comparison(matches, projector);
   const std::vector<RangePixel> pixels = Chosen(all, RangeRules::kMaxPoints);
   model.as_is = comparison.Compare(pixels, {});
+  model.repeated = FindRepeatedRange(tof);
+  if (model.repeated.count > 0) {
+    std::vector<RangePixel> repeated;
+    std::ranges::copy_if(all, std::back_inserter(repeated), [&](const RangePixel& pixel) {
+      return pixel.depth == model.repeated.depth_m;
+    });
+    const Agreement there = comparison.Compare(Chosen(repeated, RangeRules::kMaxPoints), {});
+    model.repeated.compared = there.compared;
+    model.repeated.agreeing = there.agreeing;
+  }
   const double part = static_cast<double>(pixels.size()) / static_cast<double>(all.size());
   model.in_picture = static_cast<int>(std::lround(model.as_is.in_picture / part));
   model.in_both = static_cast<int>(std::lround(model.as_is.in_both / part));

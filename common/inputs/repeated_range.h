@@ -1,11 +1,7 @@
 #ifndef SPROUT_COMMON_INPUTS_REPEATED_RANGE_H_
 #define SPROUT_COMMON_INPUTS_REPEATED_RANGE_H_
 
-#include <vector>
-
 #include "common/core/tof_image.h"
-#include "common/geometry/projection.h"
-#include "common/inputs/feature_matches.h"
 
 namespace sprout::inputs {
 
@@ -15,15 +11,12 @@ struct RepeatedRange {
   float depth_m = 0;  ///< 0: there is none
   float next_m = 0;   ///< the largest of all other ranges
   int count = 0;      ///< pixels that have it
-  int compared = 0;   ///< matches beside their points in the picture
+  int compared = 0;   ///< matches among their points in the picture
   int agreeing = 0;   ///< of them, with their disparity
 };
 
-/// @param matches    with disparities that fit the pair.
-/// @param projector  of the frame's calibration; tof has its size.
-/// O(ToF pixels).
-RepeatedRange FindRepeatedRange(const std::vector<Match>& matches, const TofImage& tof,
-                                const TofProjector& projector);
+/// Without what matches say of it. O(ToF pixels).
+RepeatedRange FindRepeatedRange(const TofImage& tof);
 
 }  // namespace sprout::inputs
 
