@@ -26,7 +26,7 @@ constexpr std::array<QuestionRow, kQuestionCount> kQuestions = {{{"scene", "%"},
 
 // The finding whose value is the median among those with the verdict.
 // @pre at least one has it.
-Finding MedianOf(const std::vector<Findings>& frames, size_t question, Verdict verdict) {
+Finding MedianFinding(const std::vector<Findings>& frames, size_t question, Verdict verdict) {
   std::vector<const Finding*> chosen;
   for (const Findings& frame : frames) {
     if (frame[question].verdict == verdict) chosen.push_back(&frame[question]);
@@ -92,7 +92,7 @@ Findings Combine(const std::vector<Findings>& frames) {
           {.question = frames.front()[question].question, .text = "frames contradict each other"});
       continue;
     }
-    combined.push_back(MedianOf(frames, question, verdict));
+    combined.push_back(MedianFinding(frames, question, verdict));
     if (frames.size() > 1) {
       combined.back().text += fmt::format(" ({} of {} frames)", count(verdict), frames.size());
     }
