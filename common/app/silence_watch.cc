@@ -86,7 +86,8 @@ SilenceWatch::SilenceWatch(const ServiceContext& context, std::vector<std::strin
     : url_(context.lcm_url),
       prefix_length_(context.prefix.size()),
       monitor_(monitor),
-      patience_(patience) {
+      patience_(patience),
+      wait_(patience) {
   for (const std::string_view channel : channels) {
     needed_.push_back(context.prefix + std::string(channel));
   }
@@ -103,7 +104,12 @@ void SilenceWatch::Heard(std::string_view channel) {
 void SilenceWatch::HeardFrame() {
   const std::lock_guard lock(mutex_);
   counts_.clear();
-  last_frame_ = Clock::now();
+  const Clock::time_point now = Clock::now();
+  // A camera may be triggered once in ten seconds. A stage that starts knows no interval yet.
+  if (heard_frame_)
+    wait_ = std::clamp<Clock::duration>(3 * (now - last_frame_), patience_, 12 * patience_);
+  heard_frame_ = true;
+  last_frame_ = now;
   warned_ = false;
   if (warning_.empty()) return;
   monitor_.Resolve(warning_);
@@ -114,7 +120,7 @@ void SilenceWatch::Watch(const std::stop_token& stop) {
   while (SleepFor(patience_ / 10, stop)) {
     {
       const std::lock_guard lock(mutex_);
-      if (warned_ || Clock::now() - last_frame_ < patience_) continue;
+      if (warned_ || Clock::now() - last_frame_ < wait_) continue;
       warned_ = true;
     }
     Warn(stop);

@@ -27,8 +27,9 @@ using MessageCounts = std::map<std::string, int64_t>;
 std::string SilenceText(const std::vector<std::string>& needed, const MessageCounts& counts,
                         const MessageCounts& present);
 
-/// When a stage gets no complete frame for kPatience, listens to all channels for a second and
-/// warns once; the warning is over with the next complete frame. Thread-safe.
+/// When a stage gets no complete frame for kPatience, or for three times the last interval between
+/// two of them (one minute at most), listens to all channels for a second and warns once; the
+/// warning is over with the next complete frame. Thread-safe.
 class SilenceWatch {
  public:
   static constexpr std::chrono::seconds kPatience{5};
@@ -57,6 +58,8 @@ class SilenceWatch {
   StageMonitor& monitor_;
   std::chrono::milliseconds patience_;
   std::mutex mutex_;
+  Clock::duration wait_;  // for the next frame
+  bool heard_frame_ = false;
   MessageCounts counts_;
   Clock::time_point last_frame_ = Clock::now();
   bool warned_ = false;

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "tests/common/app/captured_log.h"
 
 namespace sprout {
@@ -33,6 +35,24 @@ TEST(SilenceText, SaysSoWhenNothingIsHeardOrNothingIsMissing) {
   EXPECT_THAT(SilenceText({"SPROUT_LEFT"}, {}, {}), HasSubstr("nothing else is heard either"));
   EXPECT_THAT(SilenceText({"SPROUT_LEFT"}, {{"SPROUT_LEFT", 2}}, {{"SPROUT_LEFT", 2}}),
               HasSubstr("every channel is heard; do they come from one capture?"));
+}
+
+TEST(SilenceWatch, WaitsThreeIntervalsOfASlowCamera) {
+  using std::chrono::milliseconds;
+  const CapturedLog log;
+  const ServiceContext context{
+      .stage = "grow", .config = {}, .lcm_url = "memq://", .prefix = "", .replay = {}, .stop = {}};
+  StageMonitor monitor("grow", "");
+  SilenceWatch silence(context, {"SPROUT_LEFT"}, monitor, milliseconds(1000));
+  silence.HeardFrame();
+  std::this_thread::sleep_for(milliseconds(600));
+  silence.HeardFrame();
+  std::this_thread::sleep_for(milliseconds(1300));  // of 1800
+  EXPECT_THAT(log.Lines(), IsEmpty());
+  for (int i = 0; i < 100 && log.Lines().empty(); ++i) {
+    std::this_thread::sleep_for(milliseconds(100));
+  }
+  EXPECT_THAT(log.Lines(), ElementsAre(HasSubstr("no whole frame")));
 }
 
 class TwinWatchTest : public ::testing::Test {
