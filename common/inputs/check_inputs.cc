@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "common/core/image.h"
 #include "common/inputs/judge_pair.h"
@@ -33,6 +34,25 @@ void SayBaseline(const RectifiedPair& pair, Finding& scale) {
       pair.baseline_m);
 }
 
+struct Shown {
+  Matches matches;
+  PairModel model;
+};
+
+// On the finest of three levels that shows one scene: noise, and blur of one image, hide corners on
+// fine levels. The finest where none does.
+Shown MatchLevels(const cv::Mat1b& left, const cv::Mat1b& right) {
+  std::optional<Shown> finest;
+  for (int coarser = 0; coarser < 3; ++coarser) {
+    Matches matches = MatchFeatures(left, right, coarser);
+    PairModel model = FitPair(matches, left.size());
+    Shown shown{std::move(matches), std::move(model)};
+    if (ShowOneScene(shown.model)) return shown;
+    if (!finest) finest = std::move(shown);
+  }
+  return std::move(*finest);
+}
+
 }  // namespace
 
 Findings CheckInputs(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
@@ -41,8 +61,7 @@ Findings CheckInputs(const cv::Mat1b& left, const cv::Mat1b& right, const TofIma
     return NoneCanTell("images of " + SizeText(left.size()) + " and " + SizeText(right.size()) +
                        ": allowed is the calibrated size " + SizeText(pair.size()));
   }
-  const Matches matches = MatchFeatures(left, right);
-  const PairModel model = FitPair(matches, left.size());
+  const auto [matches, model] = MatchLevels(left, right);
   std::optional<RangeModel> ranges;
   if (projector != nullptr) ranges = CompareRanges(model.inliers, tof, *projector);
   Findings findings = JudgePair(left, right, pair, matches, model, ranges ? &*ranges : nullptr);

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "common/core/image.h"
 #include "common/core/window_sums.h"
@@ -16,8 +17,7 @@ namespace sprout::inputs {
 namespace {
 
 struct FeatureRules {
-  /// Corners are searched on the finest level of the pyramid with at most so many pixels: a
-  /// quarter of the sides at 2 MP. Finer ones find no more, but cost more.
+  /// A quarter of the sides at 2 MP. Finer levels find no more corners, but cost more.
   static constexpr double kMaxPixels = 200e3;
   static constexpr int kColumns = 20;  ///< of cells
   static constexpr int kRows = 15;
@@ -296,21 +296,27 @@ std::optional<cv::Point2d> Sharpen(const cv::Mat1b& left, const cv::Mat1b& right
 
 }  // namespace
 
-Matches MatchFeatures(const cv::Mat1b& left, const cv::Mat1b& right) {
+Matches MatchFeatures(const cv::Mat1b& left, const cv::Mat1b& right, int coarser) {
   cv::Mat1b coarse_left = left;
   cv::Mat1b coarse_right = right;
   cv::Mat1b fine_left = left;
   cv::Mat1b fine_right = right;
   int shrink = 1;
-  while (static_cast<double>(coarse_left.total()) > FeatureRules::kMaxPixels) {
+  int step = 1;
+  const auto halve = [&] {
+    fine_left = std::exchange(coarse_left, Halved(coarse_left));
+    fine_right = std::exchange(coarse_right, Halved(coarse_right));
+    step = std::exchange(shrink, 2 * shrink);
+  };
+  while (static_cast<double>(coarse_left.total()) > FeatureRules::kMaxPixels) halve();
+  for (int i = 0; i < coarser; ++i) halve();
+  if (coarser > 0) {
     fine_left = coarse_left;
     fine_right = coarse_right;
-    coarse_left = Halved(coarse_left);
-    coarse_right = Halved(coarse_right);
-    shrink *= 2;
+    step = shrink;
   }
   Matches result;
-  result.step_px = std::max(1, shrink / 2);
+  result.step_px = step;
   result.most_rows_px = std::max(FeatureRules::kBand * left.rows, FeatureRules::kMinBandPx);
   if (coarse_left.cols <= 4 * kMargin || coarse_left.rows <= 4 * kMargin) return result;
   const std::vector<Feature> of_left = FindFeatures(coarse_left, FeatureRules::kMaxLeft);

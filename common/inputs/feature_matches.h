@@ -29,8 +29,10 @@ struct Matches {
 /// cross-correlation, much more so than the second, and each other's. The position of the partner
 /// is interpolated to a fraction of a pixel.
 /// @param left, right  grey, of one size.
+/// @param coarser  0: corners are searched on the finest level of the pyramid with at most 0.2 MP,
+///                 and places measured one level finer. Else both on a level so much coarser.
 /// O(pixels), about 1 ns each, and at most 1 ms; one thread; no I/O.
-Matches MatchFeatures(const cv::Mat1b& left, const cv::Mat1b& right);
+Matches MatchFeatures(const cv::Mat1b& left, const cv::Mat1b& right, int coarser);
 
 }  // namespace sprout::inputs
 

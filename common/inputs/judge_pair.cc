@@ -48,20 +48,24 @@ struct PairRules {
   static constexpr double kSameShare = 0.95;
 };
 
+// More than by chance.
+bool AreMany(const PairModel& model) {
+  const auto inliers = static_cast<double>(model.inliers.size());
+  return inliers >= PairRules::kFewInliers &&
+         inliers > model.by_chance.value + PairRules::kBeyondChance * model.by_chance.sigma;
+}
+
 Finding JudgeScene(const Matches& matches, const PairModel& model) {
   Finding finding{.question = Question::kScene};
   const auto inliers = static_cast<double>(model.inliers.size());
   const int features = std::min(matches.left_features, matches.right_features);
   finding.value = 100 * inliers / std::max(1, matches.left_features);
   finding.sigma = 100 * std::sqrt(std::max(1.0, inliers)) / std::max(1, matches.left_features);
-  const bool many =
-      inliers >= PairRules::kFewInliers &&
-      inliers > model.by_chance.value + PairRules::kBeyondChance * model.by_chance.sigma;
-  if (many && inliers >= PairRules::kMaxOfMatches * model.tried) {
+  if (ShowOneScene(model)) {
     finding.verdict = Verdict::kGood;
     finding.text =
         fmt::format("{} of {} corners are in both images", inliers, matches.left_features);
-  } else if (features >= PairRules::kFewFeatures && !many &&
+  } else if (features >= PairRules::kFewFeatures && !AreMany(model) &&
              inliers + 3 * std::sqrt(inliers) < PairRules::kChanceOfFeatures * features) {
     finding.verdict = Verdict::kBad;
     finding.text = fmt::format(
@@ -286,12 +290,17 @@ Finding JudgeContrast(const cv::Mat1b& left, const cv::Mat1b& right, const PairM
   finding.text = fmt::format("what both images show has {:.2f} times the contrast in the right one",
                              finding.value);
   if (is_bad) {
-    finding.text += ": give both cameras one exposure and gain, and both files as many bits";
+    finding.text += ": give both cameras one exposure, gain and focus, and both files as many bits";
   }
   return finding;
 }
 
 }  // namespace
+
+bool ShowOneScene(const PairModel& model) {
+  return AreMany(model) &&
+         static_cast<double>(model.inliers.size()) >= PairRules::kMaxOfMatches * model.tried;
+}
 
 Findings JudgePair(const cv::Mat1b& left, const cv::Mat1b& right, const RectifiedPair& pair,
                    const Matches& matches, const PairModel& model, const RangeModel* ranges) {

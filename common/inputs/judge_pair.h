@@ -11,6 +11,9 @@
 
 namespace sprout::inputs {
 
+/// Whether so many matches agree that both images show one scene.
+bool ShowOneScene(const PairModel& model);
+
 /// Findings kScene to kContrast, in their order.
 /// @param ranges  null when there is no range image.
 Findings JudgePair(const cv::Mat1b& left, const cv::Mat1b& right, const RectifiedPair& pair,

@@ -54,6 +54,23 @@ TEST(CheckInputs, SaysThatTwoScenesAreNotOne) {
   EXPECT_EQ(parts.Answer(Question::kRows).verdict, Verdict::kCannotTell);
 }
 
+TEST(CheckInputs, SeesOneSceneThroughNoiseAndBlur) {
+  cv::RNG random(1);
+  const auto add_noise = [&](cv::Mat1b& image) {
+    cv::Mat1s noise(image.size());
+    random.fill(noise, cv::RNG::NORMAL, 0, 40);
+    cv::add(image, noise, image, {}, CV_8U);
+  };
+  Parts parts = Moved({1, 0, 0, 0, 1, 4});
+  add_noise(parts.left);
+  add_noise(parts.right);
+  EXPECT_EQ(parts.Answer(Question::kScene).verdict, Verdict::kGood);
+  EXPECT_NEAR(parts.Answer(Question::kRows).value, 4, 1);
+  parts = SceneOf();
+  cv::GaussianBlur(parts.right, parts.right, {}, 4);
+  EXPECT_EQ(parts.Answer(Question::kScene).verdict, Verdict::kGood);
+}
+
 TEST(CheckInputs, SaysThatAnImageIsBlank) {
   Parts parts = SceneOf();
   parts.right = cv::Mat1b(parts.right.size(), uint8_t{128});
