@@ -20,7 +20,7 @@ namespace sprout::temporal {
 inline constexpr int kBlock = 256;  // pixels whose numbers fit the first cache
 inline constexpr float kHalfNone = kNone / 2;
 
-// Disparities within this of each other lie on one surface: px, and a share of the disparity.
+// Disparities within this of each other lie on one surface: px, and a share of ρ.
 inline constexpr float kSurfacePx = 1;
 inline constexpr float kSurfaceShare = 0.02F;
 // Least weight of a pixel's neighbours on its surface, of 1.
@@ -114,7 +114,8 @@ HWY_INLINE void Approach(const Memory& memory, Block& block) {
   for (int i = 0; i < block.count; ++i) {
     const float there = block.around[0][i];
     const float expected = block.expected[i];
-    const bool same = std::abs(there - expected) <= kSurfacePx + kSurfaceShare * expected;
+    const float tolerance = kSurfacePx + kSurfaceShare * (expected + memory.offset_px);
+    const bool same = std::abs(there - expected) <= tolerance;
     const float rho = there + memory.offset_px;
     const float scale = Third(memory.now_from_last, block.last_u[i], block.last_v[i], rho);
     const float now = rho / scale - memory.offset_px;
@@ -149,7 +150,7 @@ HWY_INLINE void Find(const Memory& memory, Block& block) {
     const float weights[4] = {(1 - right) * (1 - below), right * (1 - below), (1 - right) * below,
                               right * below};
     const float expected = block.expected[i];
-    const float tolerance = kSurfacePx + kSurfaceShare * expected;
+    const float tolerance = kSurfacePx + kSurfaceShare * (expected + offset);
     float sum = 0;
     float support = 0;
     for (int k = 0; k < 4; ++k) {
@@ -163,8 +164,7 @@ HWY_INLINE void Find(const Memory& memory, Block& block) {
     const float growth = 1 / scale;
     const float now = rho * growth - offset;
     const bool good = (support >= kMinSupport) & (scale > 0) & (rho > 0) &
-                      (std::abs(now - block.start[i]) <= kFarthestPx) & (now > -0.5F) &
-                      (now < most);
+                      (std::abs(now - block.start[i]) <= kFarthestPx) & (std::abs(now) < most);
     const float growth2 = growth * growth;
     block.found[i] = good ? now : kNone;
     block.variance[i] = block.variance[i] * (growth2 * growth2) + memory.drift_px2;

@@ -15,9 +15,10 @@
 namespace sprout::temporal {
 namespace {
 
-// Points whose disparity is less sure than this, px², or smaller, px, say nothing of the way.
+// Points whose disparity is less sure than this, px², or nearer to that of infinity, px, say
+// nothing of the way.
 constexpr float kMaxPointVariance = 1;
-constexpr float kMinPointDisparity = 0.5F;
+constexpr double kMinPointRho = 0.5;
 
 template <typename T>
 View<T> ViewOf(const cv::Mat_<T>& map) {
@@ -61,11 +62,11 @@ std::vector<SeenPoint> WithDepths(const std::vector<TrackedPoint>& points,
   for (const TrackedPoint& point : points) {
     const auto u = static_cast<int>(point.before.x + 0.5);
     const auto v = static_cast<int>(point.before.y + 0.5);
-    const float d = disparity(v, u);
-    const double z = pair.DepthFromDisparity(static_cast<double>(d));
-    if (!(d > kMinPointDisparity) || !(variance(v, u) <= kMaxPointVariance) || !(z > 0)) {
+    const auto d = static_cast<double>(disparity(v, u));
+    if (!(d + pair.cx_right - pair.cx > kMinPointRho) || !(variance(v, u) <= kMaxPointVariance)) {
       continue;
     }
+    const double z = pair.DepthFromDisparity(d);
     seen.push_back({.before_m = Eigen::Vector3d((point.before.x - pair.cx) / pair.focal_px * z,
                                                 (point.before.y - pair.cy) / pair.focal_px * z, z),
                     .after_px = {point.after.x, point.after.y}});

@@ -84,6 +84,25 @@ TEST(TemporalFilter, MovesTheMapWithTheCamera) {
   EXPECT_GT(output.motion.covariance[0], 0);
 }
 
+// Of a right camera whose principal point lies farther right all disparities are that much smaller.
+TEST(TemporalFilter, FusesNegativeDisparities) {
+  constexpr int kShiftPx = 60;
+  TemporalFilter filter(Defaults()), of_shifted(Defaults());
+  TemporalOutput output, shifted;
+  for (TemporalInput input : Drive(6)) {
+    output = filter.Compute(input);
+    input.disparity = DisparityImage(
+        cv::Mat1s(input.disparity.counts() - kShiftPx * DisparityImage::kCountsPerPixel));
+    input.pair.cx_right += kShiftPx;
+    shifted = of_shifted.Compute(input);
+  }
+  EXPECT_EQ(shifted.motion.reset, MemoryReset::kNone);
+  EXPECT_EQ(shifted.motion.inliers, output.motion.inliers);
+  const cv::Mat difference = output.disparity.counts() - shifted.disparity.counts();
+  const cv::Mat other = cv::abs(difference - kShiftPx * DisparityImage::kCountsPerPixel) > 1;
+  EXPECT_LT(cv::countNonZero(other), 10);
+}
+
 TEST(TemporalFilter, FillsWhatTheNewMapLacks) {
   TemporalFilter filter(Defaults());
   std::vector<TemporalInput> drive = Drive(4);
