@@ -35,7 +35,7 @@ Result<void> CheckTof(const TofImage& tof, const Rig& rig) {
 }
 
 // Checks that the numbers leave room for those of the next frame.
-Result<void> CheckTime(const std::optional<FrameTime>& time) {
+Result<void> CheckTime(const std::optional<FrameTime>& time, bool uses_poses) {
   constexpr int64_t kMost = int64_t{1} << 62;
   if (!time) return {};
   for (const auto& [name, value] : {std::pair("utime", time->utime), {"seq", time->seq}}) {
@@ -43,6 +43,11 @@ Result<void> CheckTime(const std::optional<FrameTime>& time) {
       return Fail(std::string("time.") + name + ": " + std::to_string(value) +
                   "; allowed: 0 to 2^62");
     }
+  }
+  if (time->pose && !uses_poses) {
+    return Fail(
+        "time.pose: given, but the configuration does not use it; allowed: none, or temporal { "
+        "in_pipeline: true motion: CHANNEL }");
   }
   return {};
 }
@@ -57,12 +62,12 @@ Result<void> CheckZonesWanted(const TofZones& zones, bool uses_zones) {
 }
 
 Result<void> CheckInput(const cv::Mat& left, const cv::Mat& right, const TofImage& tof,
-                        const Rig& rig, const std::optional<FrameTime>& time) {
+                        const Rig& rig, const std::optional<FrameTime>& time, bool uses_poses) {
   return CheckRig(rig)
       .and_then([&] { return CheckImage("left", left, rig.pair.size()); })
       .and_then([&] { return CheckImage("right", right, rig.pair.size()); })
       .and_then([&] { return CheckTof(tof, rig); })
-      .and_then([&] { return CheckTime(time); });
+      .and_then([&] { return CheckTime(time, uses_poses); });
 }
 
 bool WantsDepthOfFused(const SproutConfig& config) {
@@ -106,7 +111,9 @@ Pipeline::Pipeline(const SproutConfig& config)
     : chain_(std::make_unique<Chain>(config)),
       filter_(std::make_unique<depth::MapFilter>(RulesOf(config))),
       depth_of_fused_(WantsDepthOfFused(config)),
-      uses_zones_(config.refine().zones()) {}
+      uses_zones_(config.refine().zones()),
+      uses_poses_(config.temporal().in_pipeline() &&
+                  config.temporal().motion() == TemporalConfig::CHANNEL) {}
 Pipeline::~Pipeline() = default;
 Pipeline::Pipeline(Pipeline&&) noexcept = default;
 Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
@@ -114,7 +121,7 @@ Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
 Result<DepthFrame> Pipeline::Compute(const cv::Mat& left, const cv::Mat& right, const TofImage& tof,
                                      const Rig& rig, const std::optional<FrameTime>& time,
                                      const TofZones& zones) {
-  const Result<void> fits = CheckInput(left, right, tof, rig, time).and_then([&] {
+  const Result<void> fits = CheckInput(left, right, tof, rig, time, uses_poses_).and_then([&] {
     return CheckZonesWanted(zones, uses_zones_);
   });
   if (!fits) return tl::unexpected(fits.error());

@@ -57,8 +57,9 @@ struct DepthFrame {
 struct FrameTime {
   int64_t utime = 0;  ///< capture time, µs; from any start
   int64_t seq = 0;    ///< number of the frame
-  /// Pose of the left camera in a coordinate frame that does not move, used with temporal { motion:
-  /// CHANNEL }. Nothing if it is not known; earlier frames are forgotten then.
+  /// Pose of the left camera in a coordinate frame that does not move, only with temporal {
+  /// in_pipeline: true motion: CHANNEL }. Nothing if it is not known; earlier frames are forgotten
+  /// then.
   std::optional<Pose> pose = {};
 };
 
@@ -115,6 +116,7 @@ class Pipeline {
   std::unique_ptr<depth::MapFilter> filter_;
   bool depth_of_fused_;
   bool uses_zones_;
+  bool uses_poses_;
   FrameTime last_;
 };
 

@@ -158,7 +158,7 @@ fit is a ValueError that names argument, type and shape, expected and given. A f
 can be found is no error: it has an empty map, and warnings.
 seq, utime: number and time (us) of the frame, for the memory of a pipeline with temporal { in_pipeline:
 true }; both, or neither: then it is the frame after the last one, without a gap.
-pose: with temporal { motion: CHANNEL } that of the left camera in a frame that does not move, (4, 4)
+pose: with temporal { motion: CHANNEL }, and only then, that of the left camera in a frame that does not move, (4, 4)
 float64, m; None: not known, and earlier frames are forgotten.
 zones: with refine { zones: true } what a multi-zone sensor measured; None: nothing.)")
       .def("reset", &PyPipeline::Reset,

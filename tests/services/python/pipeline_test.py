@@ -153,6 +153,9 @@ class BytesTest(unittest.TestCase):
                 compute(given, frames[0], seq=101, utime=1_000_002, pose=pose)
         with self.assertRaisesRegex(ValueError, "pose: expected with seq and utime"):
             compute(given, frames[0], pose=world)
+        for unused in (pipeline, sprout.Pipeline("default", "temporal { motion: CHANNEL }")):
+            with self.assertRaisesRegex(ValueError, "time.pose: given, but the configuration does not use it"):
+                compute(unused, frames[0], seq=101, utime=1_000_002, pose=world)
         without = compute(sprout.Pipeline("default"), frames[0])
         self.assertEqual((without.fused, without.fused_confidence, without.motion), (None, None, None))
 
