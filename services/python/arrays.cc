@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -82,11 +83,10 @@ py::array Contiguous(const py::array& array) {
   return py::array_t<T, py::array::c_style | py::array::forcecast>(array);
 }
 
-// An array of two sides, or nothing. What numpy.ma masks is 0: no return, no amplitude.
+// An array of two sides, or nothing.
 std::optional<py::array> Plane(const py::handle& given, std::optional<cv::Size> size) {
   if (!py::isinstance<py::array>(given)) return std::nullopt;
-  auto array = py::reinterpret_borrow<py::array>(given);
-  if (py::hasattr(array, "filled")) array = py::array(array.attr("filled")(0));
+  const py::array array = Unmasked(py::reinterpret_borrow<py::array>(given));
   if (array.ndim() != 2 || !HasSides(array, size)) return std::nullopt;
   return array;
 }
@@ -115,6 +115,12 @@ py::dtype TypeOf(int depth) {
 }
 
 }  // namespace
+
+py::array Unmasked(const py::array& array) {
+  if (!py::hasattr(array, "filled")) return array;
+  const bool is_float = array.dtype().kind() == 'f';
+  return py::array(array.attr("filled")(is_float ? std::numeric_limits<double>::quiet_NaN() : 0));
+}
 
 void Refuse(const std::string& name, const std::string& expected, const py::handle& given) {
   std::string text = name + ": expected " + expected + ", given ";
@@ -243,12 +249,18 @@ py::array ToArray(const std::vector<Seed>& seeds) {
   return array;
 }
 
+uint8_t TakeSigma(const std::string& name, double sigma_px) {
+  if (!(sigma_px < 0)) return SigmaToCounts(sigma_px);
+  throw py::value_error(name + ": expected 0 and more, or NaN: not known; given " +
+                        std::string(py::repr(py::float_(sigma_px))));
+}
+
 cv::Mat1b TakeSigmas(const std::string& name, const py::handle& array,
                      std::optional<cv::Size> size) {
   const cv::Mat1f px = TakeFloats(name, array, size);
   cv::Mat1b counts(px.size());
   std::transform(px.begin(), px.end(), counts.begin(),
-                 [](float sigma_px) { return SigmaToCounts(double{sigma_px}); });
+                 [&](float sigma_px) { return TakeSigma(name, double{sigma_px}); });
   return counts;
 }
 

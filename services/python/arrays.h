@@ -28,6 +28,9 @@ namespace py = pybind11;
 [[noreturn]] void Refuse(const std::string& name, const std::string& expected,
                          const py::handle& given);
 
+/// The array; of numpy.ma, with NaN for what it masks, or 0 where its numbers are whole.
+py::array Unmasked(const py::array& array);
+
 /// An image of one or three (BGR) channels, from uint8 or uint16 (H, W), (H, W, 1) or (H, W, 3);
 /// for EightBits.
 /// @param size  that it must have; nothing: any.
@@ -41,8 +44,11 @@ cv::Mat1f TakeDepth(const std::string& name, const py::handle& array, std::optio
 cv::Mat1f TakeFloats(const std::string& name, const py::handle& array,
                      std::optional<cv::Size> size);
 
-/// Standard deviations in px as TakeFloats() takes them, to counts of 1/16 px; NaN:
-/// kMaxSigmaCounts.
+/// A standard deviation in px to counts of 1/16 px; NaN: kMaxSigmaCounts.
+/// @throws pybind11::value_error for a negative one.
+uint8_t TakeSigma(const std::string& name, double sigma_px);
+
+/// Standard deviations as TakeSigma() takes each.
 cv::Mat1b TakeSigmas(const std::string& name, const py::handle& array,
                      std::optional<cv::Size> size);
 

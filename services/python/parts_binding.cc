@@ -18,8 +18,8 @@ PriorMap MakePrior(const py::object& disparity, const py::object& sigma) {
   const DisparityImage map = FromPx(TakeFloats("disparity", disparity, {}));
   PriorMap prior(map.size());
   prior.disparity = map;
-  const bool one = PyFloat_Check(sigma.ptr()) || PyLong_Check(sigma.ptr());
-  const cv::Mat1b counts = one ? cv::Mat1b(map.size(), SigmaToCounts(sigma.cast<double>()))
+  const bool one = PyNumber_Check(sigma.ptr()) != 0 && !py::isinstance<py::array>(sigma);
+  const cv::Mat1b counts = one ? cv::Mat1b(map.size(), TakeSigma("sigma_px", py::float_(sigma)))
                                : TakeSigmas("sigma_px", sigma, map.size());
   counts.copyTo(prior.sigma, map.counts() != DisparityImage::kInvalid);
   return prior;
@@ -43,7 +43,7 @@ template <typename T>
 Numbers<T> TakeTargets(const std::string& name, const py::handle& given, char kind,
                        const std::string& expected, const std::optional<Shape>& shape) {
   if (!py::isinstance<py::array>(given)) Refuse(name, expected, given);
-  const auto any = py::reinterpret_borrow<py::array>(given);
+  const py::array any = Unmasked(py::reinterpret_borrow<py::array>(given));
   if (any.dtype().kind() != kind || any.ndim() < 2 || any.ndim() > 3) Refuse(name, expected, given);
   Numbers<T> array(any);
   const Shape own = {array.shape(0), array.shape(1), array.ndim() == 3 ? array.shape(2) : 1};

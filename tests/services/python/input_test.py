@@ -82,6 +82,8 @@ WRONG: List[Wrong] = [
     ("right truth of another size", lambda p, f: sprout.evaluate(MAP, MAP, right_truth=MAP.T), "right_truth: "),
     ("prior of integers", lambda p, f: sprout.PriorMap(zeros(4, 5), 1.0), "disparity: .* given uint8"),
     ("sigma of another size", lambda p, f: sprout.PriorMap(MAP, MAP.T), r"sigma_px: .*\(5, 4\)"),
+    ("a negative sigma", lambda p, f: sprout.PriorMap(MAP, -1), "sigma_px: expected 0 and more, or NaN: not known; given -1.0"),
+    ("negative sigmas", lambda p, f: sprout.PriorMap(MAP, MAP - 1), "sigma_px: expected 0 and more"),
     ("Q of another shape", lambda p, f: sprout.Rig.from_q(numpy.eye(3), 64, 48), r"Q: expected float64 array of shape \(4, 4\), given float64 array of shape \(3, 3\)"),
     ("rotation of another shape", lambda p, f: sprout.TofCamera(4, 3, 4, 4, 2, 1, rotation=numpy.eye(2)), r"rotation: .*\(2, 2\)"),
     ("a rotation that is none", lambda p, f: sprout.TofCamera(4, 3, 4, 4, 2, 1, rotation=2 * numpy.eye(3)), "rotation: expected a rotation"),
@@ -140,6 +142,19 @@ class InputTest(unittest.TestCase):
         for value in (0, -1, numpy.nan, numpy.inf, 65535):
             self.assertTrue(same(self.depth(tof=numpy.where(hole, value, metres).astype("f4")), expected))
         self.assertTrue(same(self.depth(tof=numpy.ma.array(metres, mask=hole)), expected))
+
+    def test_what_is_masked_is_not_known(self) -> None:
+        known = numpy.full((4, 5), 10, numpy.float32)
+        masked = numpy.ma.array(known, mask=numpy.arange(20).reshape(4, 5) < 5)
+        self.assertEqual(sprout.evaluate(known, masked, mask=known > 0).scored, 15)
+        self.assertEqual(sprout.evaluate(masked, known, mask=known > 0).density, 75)
+        prior = sprout.PriorMap(masked, 1.0)
+        self.assertTrue(numpy.isnan(prior.disparity[0]).all())
+        self.assertTrue((prior.disparity[1:] == 10).all())
+        self.assertTrue((sprout.PriorMap(known, masked / 10).sigma_px[0] > 15).all())
+        self.assertTrue((sprout.PriorMap(known, known.std() + 1).sigma_px == 1).all())
+        zones = sprout.Zones(masked, known, VIEWS)
+        self.assertTrue((zones.depth_m[0] == 0).all() and (zones.depth_m[1:] == 10).all())
 
     def test_images_of_10_bits_in_16_are_as_those_of_8(self) -> None:
         left, right = (image.astype(numpy.uint16) * 4 for image in (self.left, self.right))
