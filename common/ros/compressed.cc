@@ -42,11 +42,9 @@ RosMessage<RosCompressedImage> ToRosJpeg(const RosPlace& place, const cv::Mat& p
 
 RosMessage<RosCompressedImage> ToRosCompressedDepth(const RosPlace& place,
                                                     const DepthImage& depth) {
-  cv::Mat1w millimetres;
-  depth.counts.convertTo(millimetres, CV_16U, 1000 * depth.metres_per_count);
   std::vector<uint8_t> png;
   // The strongest level would take a second for 2 MP.
-  cv::imencode(".png", millimetres, png, {cv::IMWRITE_PNG_COMPRESSION, 1});
+  cv::imencode(".png", RosMillimetres(depth), png, {cv::IMWRITE_PNG_COMPRESSION, 1});
   auto ros = Compressed(place, "16UC1; compressedDepth png", sizeof(DepthHeader) + png.size());
   const std::span bytes = RosSpan(ros->data);
   const DepthHeader header;

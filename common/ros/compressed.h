@@ -14,7 +14,7 @@ namespace sprout {
 /// 15 in colours.
 RosMessage<RosCompressedImage> ToRosJpeg(const RosPlace& place, const cv::Mat& picture);
 
-/// A depth image for "/compressedDepth": 16UC1 in mm, 0 where there is none, as PNG, so without
+/// A depth image for "/compressedDepth": 16UC1 in mm, as RosMillimetres(), as PNG, so without
 /// loss. Some 25 ms a megapixel.
 RosMessage<RosCompressedImage> ToRosCompressedDepth(const RosPlace& place, const DepthImage& depth);
 

@@ -191,16 +191,21 @@ RosMessage<RosImage> ToRosImage(const RosPlace& place, const cv::Mat& image) {
   return ros;
 }
 
+cv::Mat1w RosMillimetres(const DepthImage& depth) {
+  if (depth.metres_per_count == 0.001) return depth.counts;
+  cv::Mat1w millimetres(depth.size());
+  const double scale = 1000 * depth.metres_per_count;
+  std::ranges::transform(PixelsOf(depth.counts), PixelsOf(millimetres).begin(),
+                         [scale](uint16_t count) {
+                           const double rounded = count * scale + 0.5;
+                           return static_cast<uint16_t>(rounded < 65536 ? rounded : 0);
+                         });
+  return millimetres;
+}
+
 RosMessage<RosImage> ToRosDepth(const RosPlace& place, const DepthImage& depth, RosDepth encoding) {
-  if (encoding == RosDepth::kMillimetres && depth.metres_per_count == 0.001) {
-    return ToRosImage(place, depth.counts);
-  }
+  if (encoding == RosDepth::kMillimetres) return ToRosImage(place, RosMillimetres(depth));
   cv::Mat1f metres(depth.size());
-  cv::Mat1w millimetres;
-  if (encoding == RosDepth::kMillimetres) {
-    depth.counts.convertTo(millimetres, CV_16U, 1000 * depth.metres_per_count);
-    return ToRosImage(place, millimetres);
-  }
   const auto scale = static_cast<float>(depth.metres_per_count);
   std::ranges::transform(PixelsOf(depth.counts), PixelsOf(metres).begin(), [scale](uint16_t count) {
     return count == 0 ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(count) * scale;

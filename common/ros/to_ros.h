@@ -36,9 +36,12 @@ RosTime RosStamp(int64_t utime);
 /// pixels. @pre its rows follow each other without a gap.
 RosMessage<RosImage> ToRosImage(const RosPlace& place, const cv::Mat& image);
 
+/// A depth image in mm, 0 where there is no depth, or one beyond 65535 mm.
+cv::Mat1w RosMillimetres(const DepthImage& depth);
+
 /// How a depth image is sent (REP 118).
 enum class RosDepth {
-  kMillimetres,  ///< 16UC1, 0 where there is none; borrowed when its counts are millimetres
+  kMillimetres,  ///< 16UC1, as RosMillimetres(); borrowed when its counts are millimetres
   kMetres,       ///< 32FC1, NaN where there is none
 };
 RosMessage<RosImage> ToRosDepth(const RosPlace& place, const DepthImage& depth, RosDepth encoding);

@@ -37,9 +37,7 @@ TEST(Compressed, DepthIsPngOfMillimetresBehindItsHeader) {
   const std::vector<uint8_t> png(bytes.begin() + 12, bytes.end());
   const cv::Mat back = cv::imdecode(png, cv::IMREAD_UNCHANGED);
   ASSERT_EQ(back.type(), CV_16UC1);
-  cv::Mat1w expected;
-  depth.counts.convertTo(expected, CV_16U, 0.5);
-  EXPECT_EQ(cv::norm(back, expected, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(back, RosMillimetres(depth), cv::NORM_INF), 0);
 }
 
 float FloatAt(const RosPointCloud& cloud, size_t index, size_t offset) {

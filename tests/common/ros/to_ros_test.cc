@@ -56,6 +56,13 @@ TEST(ToRos, DepthIsMillimetresOrMetres) {
   EXPECT_EQ(reinterpret_cast<const uint16_t*>(scaled->data._buffer)[1], 750);
 }
 
+TEST(ToRos, WhatMillimetresCannotSayIsNoDepth) {
+  const DepthImage depth{.counts = (cv::Mat1w(1, 4) << 0, 6553, 6554, 65535),
+                         .metres_per_count = 0.01};
+  const cv::Mat1w expected = (cv::Mat1w(1, 4) << 0, 65530, 0, 0);
+  EXPECT_EQ(cv::norm(RosMillimetres(depth), expected, cv::NORM_INF), 0);
+}
+
 TEST(ToRos, StandardDeviationsOfDepthsAreMetres) {
   const DepthImage sigma{.counts = (cv::Mat1w(1, 4) << 0, 1, 800, 65535),
                          .metres_per_count = 0.001 / 16};
