@@ -113,9 +113,15 @@ bool RefineAdapter::CheckInput(const Frame& frame) {
   if (!is_first && frame.id.seq % check_inputs_every_ != 0) return false;
   has_checked_pair_ = true;
   has_checked_tof_ = has_checked_tof_ || has_tof;
+  const cv::Mat1b left = ToGrey(GreyestLeft(frame), left_grey_);
+  const cv::Mat1b right = ToGrey(GreyestRight(frame), right_grey_);
+  const TofProjector* const projector = has_tof ? &ProjectorOf(*frame.rig) : nullptr;
+  const bool unwraps = has_tof && unambiguous_range_m_ > 0;
   wrong_input_ = BadText(inputs::CheckInputs(
-      ToGrey(GreyestLeft(frame), left_grey_), ToGrey(GreyestRight(frame), right_grey_), *frame.tof,
-      frame.rig->pair, has_tof ? &ProjectorOf(*frame.rig) : nullptr));
+      left, right,
+      unwraps ? RangeUnwrapper().Unwrap(left, right, *frame.tof, *projector, unambiguous_range_m_)
+              : *frame.tof,
+      frame.rig->pair, projector));
   return true;
 }
 

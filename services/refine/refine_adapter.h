@@ -21,7 +21,8 @@ class RefineAdapter : public StageAdapter {
         finds_stereo_seeds_(config.stereo_seeds()),
         aligns_tof_(config.align_tof()),
         check_tof_every_(config.check_tof_every()),
-        check_inputs_every_(config.check_inputs_every()) {}
+        check_inputs_every_(config.check_inputs_every()),
+        unambiguous_range_m_(config.unambiguous_range_m()) {}
 
   PartSet Inputs() const override { return inputs_; }
 
@@ -56,6 +57,7 @@ class RefineAdapter : public StageAdapter {
   bool aligns_tof_;
   int64_t check_tof_every_;
   int64_t check_inputs_every_;
+  double unambiguous_range_m_;
   bool has_checked_pose_ = false;
   bool has_checked_pair_ = false;
   bool has_checked_tof_ = false;

@@ -20,11 +20,13 @@
 #include "common/core/input_files.h"
 #include "common/core/output_file.h"
 #include "common/core/printable.h"
+#include "common/geometry/projection.h"
 #include "common/inputs/check_inputs.h"
 #include "common/picture/write_image.h"
 #include "services/pipeline/files/doubt.h"
 #include "services/pipeline/files/write_results.h"
 #include "services/pipeline/pipeline.h"
+#include "services/refine/unwrapping/range_unwrapper.h"
 
 namespace sprout {
 namespace {
@@ -129,6 +131,17 @@ struct Computed {
   std::string complaint;
 };
 
+// The ranges of a frame whose parts have the calibrated sizes, one unambiguous range farther where
+// they are.
+TofImage RangesOf(const Frame& frame, double unambiguous_range_m) {
+  const cv::Size size = frame.rig->pair.size();
+  const bool fits = frame.left.size() == size && frame.right.size() == size &&
+                    CheckTofSize(*frame.rig, *frame.tof).has_value();
+  if (unambiguous_range_m == 0 || frame.tof->depth_m.empty() || !fits) return *frame.tof;
+  return refine::RangeUnwrapper().Unwrap(ToGrey(frame.left), ToGrey(frame.right), *frame.tof,
+                                         TofProjector(*frame.rig), unambiguous_range_m);
+}
+
 Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline& pipeline,
                              const SproutConfig& config) {
   using Clock = std::chrono::steady_clock;
@@ -137,7 +150,8 @@ Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline
     if (!frame) return tl::unexpected(frame.error());
     const auto begun = Clock::now();
     const inputs::Findings findings =
-        inputs::CheckInputs(frame->left, frame->right, *frame->tof, *frame->rig);
+        inputs::CheckInputs(frame->left, frame->right,
+                            RangesOf(*frame, config.refine().unambiguous_range_m()), *frame->rig);
     std::string complaint = BadText(findings);
     // Ranges that are noise, hit nothing, or have another scale would spoil what the pair shows.
     const bool has_map_without = config.refine().stereo_seeds();

@@ -94,6 +94,24 @@ int32_t RangeUnwrapper::Apply(const cv::Mat1b& left, const cv::Mat1b& right, con
   return taken;
 }
 
+TofImage RangeUnwrapper::Unwrap(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
+                                const TofProjector& projector, double range_m) {
+  int behind = 0;
+  std::vector<ProjectedPoint> points = projector.Project(tof, behind);
+  Apply(left, right, tof, projector, range_m, points);
+  TofImage unwrapped{.depth_m = tof.depth_m.clone(), .amplitude = tof.amplitude};
+  for (int v = 0; v < tof.depth_m.rows; ++v) {
+    for (int u = 0; u < tof.depth_m.cols; ++u) {
+      if (std::isnan(ranges_m_(v, u))) continue;
+      const auto verdict = Verdict{verdicts_(v, u)};
+      float& depth_m = unwrapped.depth_m(v, u);
+      if (verdict == Verdict::kFar) depth_m *= static_cast<float>(1 + range_m / ranges_m_(v, u));
+      if (verdict == Verdict::kUnsure) depth_m = 0;
+    }
+  }
+  return unwrapped;
+}
+
 void RangeUnwrapper::FindMedianAlbedo(std::span<const ProjectedPoint> points) {
   median_albedo_ = 0;
   if (points.empty()) return;

@@ -53,6 +53,11 @@ class RangeUnwrapper {
   int32_t Apply(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                 const TofProjector& projector, double range_m, std::vector<ProjectedPoint>& points);
 
+  /// The range image as Apply() takes it: surfaces that are far are one range farther, and those
+  /// whose points it removes are 0. What else looks at ranges must not see wrapped ones.
+  TofImage Unwrap(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
+                  const TofProjector& projector, double range_m);
+
  private:
   // What becomes of a surface.
   enum class Verdict : uint8_t { kNear, kFar, kUnsure };

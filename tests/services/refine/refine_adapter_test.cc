@@ -64,6 +64,24 @@ TEST(RefineAdapter, SaysOfTheFirstAndOfEachNthFrameWhatIsWrongWithItsInput) {
             std::get<SeedSet>(adapter.Process(frame).outputs.at(0).value));
 }
 
+// The boxes are within the unambiguous range, the wall is not.
+TEST(RefineAdapter, ChecksRangesBeyondTheUnambiguousOneWhereTheyAre) {
+  BoxScene scene;
+  const TofProjector projector(scene.rig);
+  const double range_m = 0.6 * scene.rig.pair.DepthFromDisparity(12);
+  for (int v = 0; v < scene.tof.depth_m.rows; ++v) {
+    for (int u = 0; u < scene.tof.depth_m.cols; ++u) {
+      if (BoxScene::DisparityAt(5 * u, 5 * v) > 12) continue;
+      scene.tof.depth_m(v, u) -= static_cast<float>(range_m / projector.ray(u, v).norm());
+    }
+  }
+  RefineConfig config;
+  const Frame frame = FrameOf(scene);
+  EXPECT_NE(RefineAdapter(config).Process(frame).degenerate, "");
+  config.set_unambiguous_range_m(range_m);
+  EXPECT_EQ(RefineAdapter(config).Process(frame).degenerate, "");
+}
+
 TEST(RefineAdapter, SaysWhyAFrameHasNoSeeds) {
   RefineAdapter adapter{RefineConfig()};
   Scene scene;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "tests/services/refine/refine_scene.h"
 
@@ -58,6 +59,18 @@ TEST(RangeUnwrapper, MovesASurfaceBeyondTheRangeToWhereTheImagesMatch) {
   EXPECT_EQ(Dropped(*result) + std::ssize(result->seeds), kPoints);
   EXPECT_EQ(cv::Point(result->seeds[0].tof_u, result->seeds[0].tof_v) * 10,
             cv::Point(cvRound(result->seeds[0].u), cvRound(result->seeds[0].v)));
+}
+
+TEST(RangeUnwrapper, GivesTheRangeImageAsItShouldBe) {
+  Scene scene = TexturedScene();
+  const double range_m = 0.6 * WallDepthM(scene);
+  SetWrappedWall(range_m, scene);
+  scene.tof.depth_m(3, 4) = kNoReturn;
+  const TofImage tof =
+      RangeUnwrapper().Unwrap(scene.left, scene.right, scene.tof, TofProjector(scene.rig), range_m);
+  EXPECT_TRUE(std::isnan(tof.depth_m(3, 4)));
+  EXPECT_NEAR(tof.depth_m(0, 0), WallDepthM(scene), 1e-5);
+  EXPECT_NEAR(tof.depth_m(7, 9), WallDepthM(scene), 1e-5);
 }
 
 TEST(RangeUnwrapper, LeavesASurfaceThatIsWhereItSays) {
