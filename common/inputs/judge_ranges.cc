@@ -285,7 +285,8 @@ Finding JudgeMoment(const RangeModel& model, bool is_explained) {
     finding.verdict = Verdict::kBad;
     finding.text = fmt::format(
         "ranges and images disagree at {:.0f} ± {:.0f} % of the points: is the range image of "
-        "another moment or another sensor?",
+        "another moment or another sensor, or beyond its unambiguous range "
+        "(refine.unambiguous_range_m)?",
         finding.value, finding.sigma);
   } else if (share >= RangeVerdicts::kOfOneMoment) {
     finding.verdict = Verdict::kGood;
