@@ -55,6 +55,9 @@ std::string ReasonText(const CameraMotion& motion, TemporalConfig::Motion source
       return "earlier frames forgotten: only " + std::to_string(motion.tracked) +
              " points could be tracked";
     case MemoryReset::kNoAgreement:
+      if (source == TemporalConfig::CHANNEL) {
+        return "earlier frames forgotten: the poses on SPROUT_ODOMETRY lie too far apart";
+      }
       return "earlier frames forgotten: only " + points + " move as one";
   }
   return "";

@@ -60,6 +60,10 @@ TEST(TemporalAdapter, WaitsForPosesThatAreGiven) {
                                               : MemoryReset::kFewPoints);
     EXPECT_THAT(reason, HasSubstr(seq < 2 ? "" : "SPROUT_ODOMETRY has no pose in the frame"));
   }
+  Frame far = FrameAt(3);
+  far.odometry.emplace().start_from_left = MovedBy(1e200, 0, 0);
+  far.odometry->start_seq = 1;
+  EXPECT_THAT(AddAnswer(adapter, far), HasSubstr("poses on SPROUT_ODOMETRY lie too far apart"));
 }
 
 TEST(TemporalAdapter, RefusesPartsOfDifferentSizes) {
