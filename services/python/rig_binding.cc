@@ -3,7 +3,6 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/geometry/projection.h"
 #include "common/rig/rectifier.h"
@@ -64,10 +63,12 @@ Rig FromQ(const py::object& q, int width, int height) {
     PyErr_Clear();
     Refuse("Q", "float64 array of shape (4, 4)", q);
   }
-  if (!(std::abs(m.at(3, 2)) > 0)) {
-    throw py::value_error("Q[3, 2]: expected 1 / baseline (1/m), given " + NumberText(m.at(3, 2)));
+  if (!(m.at(3, 2) > 0)) {
+    throw py::value_error("Q[3, 2]: expected 1 / baseline (1/m), above 0, given " +
+                          NumberText(m.at(3, 2)) +
+                          (m.at(3, 2) < 0 ? "; are left and right swapped?" : ""));
   }
-  const double baseline_m = 1 / std::abs(m.at(3, 2));
+  const double baseline_m = 1 / m.at(3, 2);
   // Q[3, 3] = (cx − cx') / Tx, Q[3, 2] = −1 / Tx.
   const double cx = -m.at(0, 3);
   return MakeRig(width, height, m.at(2, 3), baseline_m, cx, -m.at(1, 3),
