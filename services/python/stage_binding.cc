@@ -11,6 +11,7 @@
 #include "common/app/log.h"
 #include "common/app/run_stage.h"
 #include "common/config/stage_parts.h"
+#include "common/messages/convert.h"
 #include "services/python/arrays.h"
 #include "services/python/bindings.h"
 
@@ -38,6 +39,10 @@ PartValue TakeValue(Part part, const py::handle& given, cv::Size size) {
     case Part::kLeftSeeds: {
       SeedSet set{.seeds = TakeSeeds(name, given)};
       set.raw = CountTofSeeds(set.seeds);
+      // What the next stage would drop, without a word here.
+      if (const auto sent = FromMessage(ToMessage(FrameId(), set)); !sent) {
+        throw py::value_error(name + ": " + sent.error().text);
+      }
       return set;
     }
     case Part::kConfidence:

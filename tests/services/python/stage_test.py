@@ -60,6 +60,11 @@ class StageTest(unittest.TestCase):
             self.assertEqual(code, 1, text)
             self.assertRegex(text, "odd frames are too much")
             self.assertRegex(text, r"5 in, 3 out \(0 degenerate\), 2 failed")
+            # So does an answer that nobody would take.
+            code, text = python("my_stages.py", "refine", "--config", "fast", "--replay", SAMPLE, "--record", record)
+            self.assertEqual(code, 1, text)
+            self.assertRegex(text, "seeds: seed 3: position not finite")
+            self.assertRegex(text, r"5 in, 3 out \(0 degenerate\), 2 failed")
 
     def test_has_the_flags_of_every_stage_and_its_own_words(self) -> None:
         code, text = python(PRIOR, "--help")
