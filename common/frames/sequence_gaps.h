@@ -1,7 +1,9 @@
 #ifndef SPROUT_COMMON_FRAMES_SEQUENCE_GAPS_H_
 #define SPROUT_COMMON_FRAMES_SEQUENCE_GAPS_H_
 
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
 
 #include "common/core/frame_id.h"
@@ -16,6 +18,10 @@ namespace sprout {
 /// restart at once. With an older time a single frame proves nothing, but kRestartFrames
 /// consecutive ones do, and then gaps between them count. So one stray message changes little, and
 /// a restart of fewer frames goes unnoticed.
+///
+/// Several captures may send on the same channels. A stream that another one seemed to replace is
+/// remembered for some frames; when it goes on with its next number, each has gaps of its own. The
+/// first change from one to another that has larger numbers still counts as one gap.
 class SequenceGaps {
  public:
   static constexpr int kRestartFrames = 8;
@@ -27,6 +33,18 @@ class SequenceGaps {
   int64_t count() const { return count_; }
 
  private:
+  struct Stream {
+    FrameId newest;
+    int64_t added;        // its number among all frames
+    bool goes_on_beside;  // it went on after a frame of another one
+  };
+
+  // The stream of `streams_` that a frame continues.
+  struct Continued {
+    size_t stream;
+    int64_t left_out;
+  };
+
   // Frames in a row that do not continue the stream.
   struct Aside {
     int64_t newest_seq;
@@ -34,9 +52,12 @@ class SequenceGaps {
     int64_t gaps = 0;
   };
 
+  std::optional<Continued> Find(const FrameId& id) const;
+  void Begin(const FrameId& id, bool goes_on_beside);
   bool AddAside(const FrameId& id);
 
-  std::optional<FrameId> newest_;
+  std::deque<Stream> streams_;  // the one that went on last is the last
+  int64_t added_ = 0;
   std::optional<Aside> aside_;
   int64_t count_ = 0;
 };

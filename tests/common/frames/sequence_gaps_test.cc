@@ -73,7 +73,24 @@ TEST(SequenceGaps, GoesOnCountingAfterOneMessageFromTheFuture) {
   gaps.Add({.utime = INT64_MAX, .seq = 1000, .rig_id = ""});
   const int64_t claimed = gaps.count();
   AddHalf(gaps, 1'000'000'000);
-  EXPECT_EQ(gaps.count(), claimed + 49);
+  EXPECT_EQ(gaps.count(), claimed + 48) << "frame 2 continues what was before the message";
+}
+
+TEST(SequenceGaps, CountsTheGapsOfEachOfTwoCaptures) {
+  SequenceGaps gaps;
+  // One has larger numbers, and a clock that is behind; the other one sends every third time.
+  for (int64_t i = 0; i < 300; ++i) {
+    if (i != 200) gaps.Add(IdOf(1000 + i, -50'000'000));
+    if (i % 3 == 0 && i != 150) gaps.Add(IdOf(i / 3));
+  }
+  EXPECT_EQ(gaps.count(), 2) << "frames 1200 and 50";
+}
+
+TEST(SequenceGaps, CountsGapsThatReachBeyondWhereAnEarlierCaptureEnded) {
+  SequenceGaps gaps;
+  AddAll(gaps, {28, 29, 30});
+  AddAll(gaps, {0, 1, 40}, 2'000'000'000);
+  EXPECT_EQ(gaps.count(), 38);
 }
 
 TEST(SequenceGaps, TakesFramesThatAreSentAgainForNeitherAGapNorAStart) {
