@@ -89,6 +89,7 @@ void Publish(const Arrival& arrival, const Answer& answer, Publisher& publisher,
     return monitor.FrameFailed(arrival.frame.id,
                                std::string(message.channel) + ": could not be published");
   }
+  monitor.SetRig(arrival.frame.id.rig_id);
   monitor.SetTofOffset(answer.tof_offset);
   monitor.SetRangeError(answer.range_error);
   monitor.FrameOut(arrival.frame.id, arrival.when, answer.degenerate, answer.tof_coverage);

@@ -219,6 +219,15 @@ void StageMonitor::ResolveLocked(OwnWarning& warning) {
   warning = {};
 }
 
+void StageMonitor::SetRig(const std::string& rig_id) {
+  const std::lock_guard lock(mutex_);
+  if (rig_id == rig_id_) return;
+  rig_id_ = rig_id;
+  status_.tof_offset = {};
+  ResolveLocked(offset_warning_);
+  ResolveLocked(range_warning_);
+}
+
 void StageMonitor::SetTofOffset(const TofOffsetStatus& offset) {
   if (offset.sigma_px < 0) return;
   const std::lock_guard lock(mutex_);
@@ -285,19 +294,26 @@ StageStatus StageMonitor::Snapshot() const {
   }
   status.latency = Summarise(std::move(latencies_ms));
   status.age = Summarise(std::move(ages_ms));
-  const auto window_start = now_() - kRateWindow;
-  const auto first = std::find_if(samples_.begin(), samples_.end(), [&](const Sample& sample) {
-    return sample.finished >= window_start;
-  });
-  if (samples_.end() - first >= 2) {
-    const double span_ms = Milliseconds(samples_.back().finished - first->finished);
-    // Frames of one moment have no rate, and a status with an infinite one would be refused.
-    if (span_ms > 0) {
-      status.rate_hz = 1000 * static_cast<double>(samples_.end() - first - 1) / span_ms;
-    }
-  }
+  status.rate_hz = RateLocked();
   status.rss_bytes = ResidentBytes();
   return status;
+}
+
+// Over the last kRateWindow; of frames that are farther apart, over the newest two, as long as the
+// next one may still come.
+double StageMonitor::RateLocked() const {
+  if (samples_.size() < 2) return 0;
+  const auto now = now_();
+  auto first = std::ranges::find_if(
+      samples_, [&](const Sample& sample) { return sample.finished >= now - kRateWindow; });
+  const Clock::time_point newest = samples_.back().finished;
+  if (samples_.end() - first < 2) {
+    first = samples_.end() - 2;
+    if (now - newest > 2 * (newest - first->finished)) return 0;
+  }
+  const double span_ms = Milliseconds(newest - first->finished);
+  // Frames of one moment have no rate, and a status with an infinite one would be refused.
+  return span_ms > 0 ? 1000 * static_cast<double>(samples_.end() - first - 1) / span_ms : 0;
 }
 
 }  // namespace sprout

@@ -73,6 +73,10 @@ class StageMonitor {
   /// held.
   void Resolve(const std::string& reason);
 
+  /// The calibration of the frame of which the findings below are; with another one than before
+  /// those of the range sensor are over.
+  void SetRig(const std::string& rig_id);
+
   /// The offset of the ToF camera's points; an unknown one does not replace the last known one.
   /// Warns once a minute if it is sure, until the offset is small again.
   void SetTofOffset(const TofOffsetStatus& offset);
@@ -111,6 +115,7 @@ class StageMonitor {
   void TellLocked(const std::string& error);
   void HoldLocked(std::string& held, const std::string& text, bool show);
   std::string NewestHeldLocked() const;
+  double RateLocked() const;
   void EndLocked(const std::string& held);
   void ResolveLocked(OwnWarning& warning);
 
@@ -130,6 +135,7 @@ class StageMonitor {
   OwnWarning clock_warning_;
   OwnWarning offset_warning_;
   OwnWarning range_warning_;
+  std::string rig_id_;  // of SetRig()
 };
 
 }  // namespace sprout

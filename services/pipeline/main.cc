@@ -46,6 +46,7 @@ class StepMonitors : public ChainObserver {
     assert(it != kStages.end());
     StageMonitor& monitor = monitors_[static_cast<size_t>(it - kStages.begin())];
     monitor.FrameIn(/*skipped=*/false);
+    monitor.SetRig(frame.id.rig_id);
     monitor.SetTofOffset(outcome.tof_offset);
     monitor.SetRangeError(outcome.range_error);
     monitor.FrameOut(frame.id, begun_, outcome.degenerate,

@@ -295,6 +295,28 @@ TEST_F(StageMonitorTest, HasNoRateOfFramesOfOneMoment) {
   EXPECT_EQ(monitor_.Snapshot().rate_hz, 0);
 }
 
+TEST_F(StageMonitorTest, HasTheRateOfFramesThatAreFartherApartThanItsWindow) {
+  for (int64_t seq = 0; seq < 3; ++seq) {
+    monitor_.FrameOut(IdOf(seq), now_, "");
+    now_ += std::chrono::seconds(20);
+  }
+  EXPECT_DOUBLE_EQ(monitor_.Snapshot().rate_hz, 0.05);
+  now_ += std::chrono::seconds(21);
+  EXPECT_EQ(monitor_.Snapshot().rate_hz, 0) << "the next one is long due";
+}
+
+TEST_F(StageMonitorTest, ForgetsWhatWasFoundOfTheRangeSensorOfAnotherCalibration) {
+  monitor_.SetRig("with ToF");
+  monitor_.SetTofOffset({.u_px = 2.5F, .v_px = -1, .sigma_px = 0.25F, .is_off = true});
+  monitor_.SetRangeError("off by +10 mm");
+  monitor_.SetRig("with ToF");
+  EXPECT_EQ(monitor_.Snapshot().tof_offset.u_px, 2.5F);
+  EXPECT_EQ(monitor_.Snapshot().last_error, "off by +10 mm");
+  monitor_.SetRig("without");
+  EXPECT_EQ(monitor_.Snapshot().tof_offset.sigma_px, -1);
+  EXPECT_EQ(monitor_.Snapshot().last_error, "");
+}
+
 TEST_F(StageMonitorTest, TellsAnErrorOfOneFrameUntilAMinuteWasAnsweredWithoutALoss) {
   const auto error_after = [&](std::chrono::seconds time, bool answered) {
     now_ += time;
