@@ -87,8 +87,7 @@ Result<SeedSet> RefineAdapter::Refine(const Frame& frame) {
 // What there is to find in a frame that is looked at.
 TofOffsetStatus RefineAdapter::OffsetOf(const Frame& frame) {
   if (frame.tof->depth_m.empty() || check_tof_every_ == 0) return {};
-  if (has_checked_pose_ && frame.id.seq % check_tof_every_ != 0) return {};
-  has_checked_pose_ = true;
+  if (!pose_turn_.Take(frame.id, check_tof_every_)) return {};
   TofOffset offset = refiner_.tof_offset();
   if (!aligns_tof_) {
     const TofProjector& projector = ProjectorOf(*frame.rig);
@@ -109,10 +108,9 @@ TofOffsetStatus RefineAdapter::OffsetOf(const Frame& frame) {
 bool RefineAdapter::CheckInput(const Frame& frame) {
   if (check_inputs_every_ == 0) return false;
   const bool has_tof = !frame.tof->depth_m.empty();
-  const bool is_first = !has_checked_pair_ || (has_tof && !has_checked_tof_);
-  if (!is_first && frame.id.seq % check_inputs_every_ != 0) return false;
-  has_checked_pair_ = true;
-  has_checked_tof_ = has_checked_tof_ || has_tof;
+  const bool is_turn = pair_turn_.Take(frame.id, check_inputs_every_);
+  const bool is_tofs_turn = has_tof && tof_turn_.Take(frame.id, check_inputs_every_);
+  if (!is_turn && !is_tofs_turn) return false;
   const cv::Mat1b left = ToGrey(GreyestLeft(frame), left_grey_);
   const cv::Mat1b right = ToGrey(GreyestRight(frame), right_grey_);
   const TofProjector* const projector = has_tof ? &ProjectorOf(*frame.rig) : nullptr;

@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "common/config/stage_parts.h"
 #include "common/core/stage_adapter.h"
@@ -30,9 +31,9 @@ class RefineAdapter : public StageAdapter {
   /// such, also in a wider frame (Widened()), whose answer is taken if one seed in a hundred has
   /// one, and it has as many seeds. Always
   /// answers; without a usable point, and if stereo finds nothing either, both are empty and
-  /// the result says why. It also says, of the first frame, the first with a range image and each
-  /// check_inputs_every-th one, what is wrong with the input (again in later frames that have
-  /// something to say), and when range points stop to come. A range image that was enlarged is
+  /// the result says why. It also says, of the first frame of a calibration, its first with a range
+  /// image and one of check_inputs_every, what is wrong with the input (again in later frames that
+  /// have something to say), and when range points stop to come. A range image that was enlarged is
   /// taken at its sensor's resolution, see FindNativeRanges().
   StageResult Process(const Frame& frame) override;
 
@@ -41,6 +42,21 @@ class RefineAdapter : public StageAdapter {
     StageResult answer;
     bool fits = true;  // images and range image have the sizes of the calibration
   };
+
+  // Which frames are looked at.
+  class Turn {
+   public:
+    // Whether a frame is the first of a calibration, or the first that came of `every` numbers:
+    // under load any may be skipped.
+    bool Take(const FrameId& id, int64_t every) {
+      const std::pair turn(id.rig_id, id.seq / every);
+      return std::exchange(newest_, turn) != turn;
+    }
+
+   private:
+    std::optional<std::pair<std::string, int64_t>> newest_;
+  };
+
   bool HasPointsBelowZero(const Frame& frame, double share);
   StageResult ProcessNative(const Frame& frame);
   Refined RefineWhole(const Frame& frame);
@@ -58,9 +74,9 @@ class RefineAdapter : public StageAdapter {
   int64_t check_tof_every_;
   int64_t check_inputs_every_;
   double unambiguous_range_m_;
-  bool has_checked_pose_ = false;
-  bool has_checked_pair_ = false;
-  bool has_checked_tof_ = false;
+  Turn pose_turn_;
+  Turn pair_turn_;
+  Turn tof_turn_;
   std::string wrong_input_;  // by the newest check
   inputs::RangeWatch range_watch_;
   cv::Mat1b left_grey_;  // memory

@@ -82,6 +82,25 @@ TEST(RefineAdapter, ChecksRangesBeyondTheUnambiguousOneWhereTheyAre) {
   EXPECT_EQ(RefineAdapter(config).Process(frame).degenerate, "");
 }
 
+TEST(RefineAdapter, ChecksInputAlsoWhenFramesAreSkippedAndOfAnotherCalibration) {
+  RefineConfig config;
+  config.set_check_inputs_every(100);
+  RefineAdapter adapter{config};
+  const Scene good = TexturedScene();
+  Scene swapped = good;
+  std::swap(swapped.left, swapped.right);
+  const auto says = [&](const Scene& of, int64_t seq, const std::string& rig_id) {
+    Frame frame = FrameOf(of);
+    frame.id.seq = seq;
+    frame.id.rig_id = rig_id;
+    return adapter.Process(frame).degenerate;
+  };
+  EXPECT_EQ(says(good, 1, "a").find("swapped"), std::string::npos);
+  EXPECT_THAT(says(swapped, 101, "a"), HasSubstr("swapped")) << "frame 100 was skipped";
+  EXPECT_EQ(says(good, 103, "b").find("swapped"), std::string::npos) << "it was mended";
+  EXPECT_THAT(says(swapped, 104, "c"), HasSubstr("swapped"));
+}
+
 TEST(RefineAdapter, SaysWhyAFrameHasNoSeeds) {
   RefineAdapter adapter{RefineConfig()};
   Scene scene;
