@@ -8,6 +8,7 @@
 #include "common/app/log_limiter.h"
 #include "common/core/image.h"
 #include "common/messages/codec.h"
+#include "services/capture/frozen_watch.h"
 
 namespace sprout::capture {
 namespace {
@@ -22,7 +23,8 @@ class SourceFeed : public CaptureFeed {
         rig_(std::move(rig)),
         current_(std::move(current)),
         config_(config),
-        monitor_(monitor) {
+        monitor_(monitor),
+        frozen_(monitor) {
     if (rig_) newest_.rig_id = RigId(*rig_);
   }
 
@@ -33,7 +35,10 @@ class SourceFeed : public CaptureFeed {
       return std::nullopt;
     }
     Tell({.count = frame->lost, .trouble = frame->trouble});
-    if (source_->is_live()) monitor_.SetSpread(frame->spread_ms);
+    if (source_->is_live()) {
+      monitor_.SetSpread(frame->spread_ms);
+      frozen_.Add(*frame);
+    }
     const int64_t utime = frame->utime.value_or(NowUtime());
     const int64_t set_back_us = std::exchange(sources_utime_, utime) - utime;
     if (source_->is_live() && frame->utime) SayClockSetBack(set_back_us);
@@ -83,6 +88,7 @@ class SourceFeed : public CaptureFeed {
   std::shared_ptr<CurrentRig> current_;
   CaptureConfig config_;
   StageMonitor& monitor_;
+  FrozenWatch frozen_;
   FrameId newest_;
   int64_t sources_utime_ = 0;  // of the newest frame, by the source
   LogLimiter clock_log_;

@@ -147,6 +147,41 @@ TEST_F(SourceFeed, GivesARecordingThatBeginsAgainItsOwnTimesAgain) {
   EXPECT_THAT(sent, ::testing::ElementsAre(5000, 7000, 7001, 8000, 5000, 7000, 7001));
 }
 
+// Its right camera hangs from the second frame to the 14th.
+class HangingCamera : public Camera {
+ public:
+  explicit HangingCamera(bool is_live)
+      : Camera(is_live, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16}) {}
+
+  std::optional<scenes::CapturedFrame> Next(const std::stop_token& stop) override {
+    std::optional<scenes::CapturedFrame> frame = Camera::Next(stop);
+    frame->trouble.clear();
+    frame->lost = 0;
+    frame->left = cv::Scalar(++count_);
+    frame->right = cv::Scalar(count_ == 1 || count_ > 14 ? count_ : 2);
+    return frame;
+  }
+
+ private:
+  int count_ = 0;
+};
+
+TEST_F(SourceFeed, SaysThatALiveCameraGivesTheSameImageAgainAndAgain) {
+  for (const bool is_live : {true, false}) {
+    const auto feed = FeedFrom(std::make_unique<HangingCamera>(is_live), CaptureConfig(), monitor_);
+    for (int i = 1; i <= 16; ++i) {
+      ASSERT_TRUE(feed->Next({}));
+      const bool is_frozen = is_live && i >= 11 && i <= 14;
+      EXPECT_EQ(monitor_.Snapshot().last_error,
+                is_frozen
+                    ? "the right camera gives the same image again and again, bit for bit: it "
+                      "hangs, or sees nothing"
+                    : "")
+          << i;
+    }
+  }
+}
+
 class ImageEncoderTest : public testing::Test {
  protected:
   ImageEncoderTest() {

@@ -1,0 +1,43 @@
+#ifndef SPROUT_SERVICES_CAPTURE_FROZEN_WATCH_H_
+#define SPROUT_SERVICES_CAPTURE_FROZEN_WATCH_H_
+
+#include <array>
+#include <cstddef>
+#include <string>
+
+#include "common/app/stage_monitor.h"
+#include "common/scenes/frame_source.h"
+
+namespace sprout::capture {
+
+/// Warns of cameras that give the same image again and again, to the last bit, as one that hangs
+/// does: noise makes each image of one that works another. The warning holds until the image
+/// changes.
+class FrozenWatch {
+ public:
+  /// Images in a row that are the same before it is said.
+  static constexpr int kImages = 10;
+
+  /// @param monitor  gets the warnings; must outlive this.
+  explicit FrozenWatch(StageMonitor& monitor) : monitor_(monitor) {}
+
+  /// Takes the images of the next frame; empty ones are not looked at. About 1 ms at 2 MP.
+  void Add(const scenes::CapturedFrame& frame);
+
+ private:
+  struct Camera {
+    const char* name;
+    size_t hash = 0;  // of the newest image
+    int same = 0;     // images in a row that have it
+    std::string warning = {};
+  };
+
+  void Look(Camera& camera, const cv::Mat& image);
+
+  StageMonitor& monitor_;
+  std::array<Camera, 3> cameras_ = {Camera{"left"}, Camera{"right"}, Camera{"range"}};
+};
+
+}  // namespace sprout::capture
+
+#endif  // SPROUT_SERVICES_CAPTURE_FROZEN_WATCH_H_
