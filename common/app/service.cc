@@ -145,7 +145,9 @@ int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
     if (const auto warning = ReceiveBufferWarning(lcm_url_)) LogLine(LogLevel::kWarning, *warning);
   }
   const SignalWatcher signals(kGracePeriod, [](int signal) {
-    LogLine(LogLevel::kInfo, "{}: stopping", signal == SIGINT ? "SIGINT" : "SIGTERM");
+    const std::string_view name =
+        signal == SIGHUP ? "SIGHUP" : (signal == SIGINT ? "SIGINT" : "SIGTERM");
+    LogLine(LogLevel::kInfo, "{}: stopping", name);
   });
   // A tcpq server that hangs up shows as a failed publish, not as the end of the process.
   std::signal(SIGPIPE, SIG_IGN);

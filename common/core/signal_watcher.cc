@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <utility>
+#include <vector>
 
 #include "common/core/sleep.h"
 
@@ -39,6 +40,12 @@ void SetAlarm(std::chrono::microseconds time) {
   setitimer(ITIMER_REAL, &alarm, nullptr);
 }
 
+// Ignored: nohup started the process, which is to outlive its terminal.
+bool IsIgnored(int signal) {
+  struct sigaction action {};
+  return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
 volatile std::sig_atomic_t came = 0;
 
 }  // namespace
@@ -46,9 +53,12 @@ volatile std::sig_atomic_t came = 0;
 SignalWatcher::SignalWatcher(std::chrono::microseconds grace, std::function<void(int)> told)
     : grace_(grace), told_(std::move(told)) {
   sigemptyset(&signals_);
-  for (const int signal : {SIGINT, SIGTERM, kWake}) sigaddset(&signals_, signal);
+  std::vector<int> endings = {SIGINT, SIGTERM};
+  if (!IsIgnored(SIGHUP)) endings.push_back(SIGHUP);
+  sigaddset(&signals_, kWake);
+  for (const int ending : endings) sigaddset(&signals_, ending);
   pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
-  for (const int ending : {SIGINT, SIGTERM}) PassOnInOtherThreads(ending);
+  for (const int ending : endings) PassOnInOtherThreads(ending);
   thread_ = std::jthread([this](const std::stop_token& stop) { Watch(stop); });
 }
 
@@ -67,6 +77,8 @@ void SignalWatcher::Watch(const std::stop_token& stop) {
   }
   // Whoever started this process may have told it to ignore or block them.
   for (const int ending : {SIGINT, SIGTERM, SIGALRM}) std::signal(ending, SIG_DFL);
+  // A terminal that goes sends one, and its shell another one.
+  std::signal(SIGHUP, SIG_IGN);
   sigaddset(&signals_, SIGALRM);
   SetAlarm(grace_);
   pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);

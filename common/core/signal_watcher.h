@@ -10,12 +10,13 @@
 
 namespace sprout {
 
-/// Requests a stop when SIGINT or SIGTERM comes, for programs that wait for something; Interrupt is
-/// for loops that only compute. The signals are blocked in every thread and received by one that
-/// waits for them, so no code of the program runs in a signal handler. A second signal has the
-/// kernel's default action: it ends the process even if its threads hang in a read, a write or a
-/// long computation. So does SIGALRM after the grace period. Create it before other threads; those
-/// that exist already (a library's, in somebody else's program) pass on the first signal.
+/// Requests a stop when SIGINT or SIGTERM comes, or SIGHUP (the terminal is gone) unless it is
+/// ignored already, for programs that wait for something; Interrupt is for loops that only compute.
+/// The signals are blocked in every thread and received by one that waits for them, so no code of
+/// the program runs in a signal handler. A second SIGINT or SIGTERM has the kernel's default
+/// action: it ends the process even if its threads hang in a read, a write or a long computation.
+/// So does SIGALRM after the grace period. Create it before other threads; those that exist already
+/// (a library's, in somebody else's program) pass on the first signal.
 class SignalWatcher {
  public:
   /// @param grace  time for the process to end by itself; 0: unlimited.

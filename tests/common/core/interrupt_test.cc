@@ -49,6 +49,30 @@ TEST(SignalWatcherDeathTest, RequestsAStopAndTellsWhichSignalItWas) {
   };
   EXPECT_EXIT(watch(SIGINT), ::testing::ExitedWithCode(0), "");
   EXPECT_EXIT(watch(SIGTERM), ::testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(watch(SIGHUP), ::testing::ExitedWithCode(0), "");
+}
+
+TEST(SignalWatcherDeathTest, OutlivesItsTerminalWhenItIsToldTo) {
+  const auto watch = [] {
+    std::signal(SIGHUP, SIG_IGN);
+    const SignalWatcher watcher;
+    kill(getpid(), SIGHUP);
+    _exit(SleepFor(std::chrono::milliseconds(100), watcher.token()) ? 0 : 1);
+  };
+  EXPECT_EXIT(watch(), ::testing::ExitedWithCode(0), "");
+}
+
+TEST(SignalWatcherDeathTest, IsNotEndedByTheSecondSignalOfATerminalThatGoes) {
+  const auto watch = [] {
+    {
+      const SignalWatcher watcher;
+      kill(getpid(), SIGHUP);
+      SleepFor(std::chrono::seconds(30), watcher.token());
+      kill(getpid(), SIGHUP);
+    }
+    _exit(0);
+  };
+  EXPECT_EXIT(watch(), ::testing::ExitedWithCode(0), "");
 }
 
 TEST(SignalWatcherDeathTest, LeavesWhatIsStuckToTheKernelAfterTheGracePeriod) {
