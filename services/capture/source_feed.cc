@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "common/app/log_limiter.h"
@@ -18,13 +19,14 @@ class SourceFeed : public CaptureFeed {
   // If there is no rig, frames are not rectified. `current` is null when that is done elsewhere.
   SourceFeed(std::unique_ptr<scenes::TripletSource> source, std::optional<Rig> rig,
              std::shared_ptr<CurrentRig> current, const CaptureConfig& config,
-             StageMonitor& monitor)
+             StageMonitor& monitor, std::function<int64_t()> now)
       : source_(std::move(source)),
         rig_(std::move(rig)),
         current_(std::move(current)),
         config_(config),
         monitor_(monitor),
-        frozen_(monitor) {
+        frozen_(monitor),
+        now_(std::move(now)) {
     if (rig_) newest_.rig_id = RigId(*rig_);
   }
 
@@ -39,9 +41,10 @@ class SourceFeed : public CaptureFeed {
       monitor_.SetSpread(frame->spread_ms);
       frozen_.Add(*frame);
     }
-    const int64_t utime = frame->utime.value_or(NowUtime());
+    const int64_t utime = frame->utime ? *frame->utime : now_();
     const int64_t set_back_us = std::exchange(sources_utime_, utime) - utime;
-    if (source_->is_live() && frame->utime) SayClockSetBack(set_back_us);
+    if (!source_->is_recorded())
+      SayClockSetBack(frame->utime ? "the cameras'" : "this host's", set_back_us);
     // A recording that begins again has its own times again, and its pace. Other captures are told
     // apart by their time even when the clock is set back.
     const bool begins_again = source_->is_recorded() && set_back_us > 0;
@@ -74,13 +77,13 @@ class SourceFeed : public CaptureFeed {
     if (lost.count == 0 && !lost.trouble.empty()) monitor_.Failure(lost.trouble);
   }
 
-  // Warns if the clock of live cameras was set back.
-  void SayClockSetBack(int64_t set_back_us) {
+  // Warns if the clock that frames are stamped with was set back.
+  void SayClockSetBack(const char* whose, int64_t set_back_us) {
     if (set_back_us <= 0 || !clock_log_.Pass(StageMonitor::Clock::now())) return;
     monitor_.Warn(
-        fmt::format("the cameras' clock was set back by {:.3f} s: until it is there again, "
-                    "frames are stamped 1 µs apart",
-                    static_cast<double>(set_back_us) * 1e-6));
+        fmt::format("{} clock was set back by {:.3f} s: until it is there again, frames are "
+                    "stamped 1 µs apart",
+                    whose, static_cast<double>(set_back_us) * 1e-6));
   }
 
   std::unique_ptr<scenes::TripletSource> source_;
@@ -89,6 +92,7 @@ class SourceFeed : public CaptureFeed {
   CaptureConfig config_;
   StageMonitor& monitor_;
   FrozenWatch frozen_;
+  std::function<int64_t()> now_;
   FrameId newest_;
   int64_t sources_utime_ = 0;  // of the newest frame, by the source
   LogLimiter clock_log_;
@@ -115,14 +119,17 @@ CaptureMessages BehindCalibration(std::vector<uint8_t> calibration, CaptureMessa
 
 std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<scenes::FrameSource> source,
                                       const CaptureConfig& config, StageMonitor& monitor,
-                                      std::shared_ptr<CurrentRig> rig) {
+                                      std::shared_ptr<CurrentRig> rig,
+                                      std::function<int64_t()> now) {
   const Rig first = source->rig();
-  return std::make_unique<SourceFeed>(std::move(source), first, std::move(rig), config, monitor);
+  return std::make_unique<SourceFeed>(std::move(source), first, std::move(rig), config, monitor,
+                                      std::move(now));
 }
 
 std::unique_ptr<CaptureFeed> RawFeedFrom(std::unique_ptr<RawSource> cameras,
                                          const CaptureConfig& config, StageMonitor& monitor) {
-  return std::make_unique<SourceFeed>(std::move(cameras), std::nullopt, nullptr, config, monitor);
+  return std::make_unique<SourceFeed>(std::move(cameras), std::nullopt, nullptr, config, monitor,
+                                      NowUtime);
 }
 
 }  // namespace sprout::capture

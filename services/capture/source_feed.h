@@ -1,6 +1,7 @@
 #ifndef SPROUT_SERVICES_CAPTURE_SOURCE_FEED_H_
 #define SPROUT_SERVICES_CAPTURE_SOURCE_FEED_H_
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -19,11 +20,14 @@ CaptureMessages BehindCalibration(std::vector<uint8_t> calibration, CaptureMessa
 
 /// Frames of a source, numbered from 0 and stamped with their time of exposure, or, when the source
 /// has no clock, with the time at which they are taken: the only place where a clock enters a
-/// payload. Times of frames increase, whatever the clock does, until a recording begins again.
+/// payload. Times of frames increase, whatever the clock does, until a recording begins again; that
+/// a clock was set back is said.
 /// @param rig  what the source rectifies with; null when its frames come rectified.
+/// @param now  returns the time, as NowUtime(); tests replace it.
 std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<scenes::FrameSource> source,
                                       const CaptureConfig& config, StageMonitor& monitor,
-                                      std::shared_ptr<CurrentRig> rig = nullptr);
+                                      std::shared_ptr<CurrentRig> rig = nullptr,
+                                      std::function<int64_t()> now = NowUtime);
 
 /// Frames of cameras as they see, for --raw; the frames have no rig_id.
 std::unique_ptr<CaptureFeed> RawFeedFrom(std::unique_ptr<RawSource> cameras,

@@ -134,6 +134,33 @@ TEST_F(SourceFeed, StampsFramesWithTheTimeOfTheirExposureAndCountsWhatWasLost) {
   EXPECT_THAT(monitor_.Snapshot().last_error, ::testing::HasSubstr("packets lost"));
 }
 
+// A camera without a clock.
+class UnstampedCamera : public Camera {
+ public:
+  UnstampedCamera() : Camera(true) {}
+  std::optional<scenes::CapturedFrame> Next(const std::stop_token& stop) override {
+    std::optional<scenes::CapturedFrame> frame = Camera::Next(stop);
+    frame->utime.reset();
+    frame->lost = 0;
+    frame->trouble.clear();
+    return frame;
+  }
+};
+
+TEST_F(SourceFeed, SaysThatTheClockWhichStampsFramesWasSetBack) {
+  int64_t now = 5'000'000;
+  const auto feed = FeedFrom(std::make_unique<UnstampedCamera>(), CaptureConfig(), monitor_,
+                             nullptr, [&] { return now; });
+  EXPECT_EQ(feed->Next({})->id.utime, 5'000'000);
+  EXPECT_EQ(monitor_.Snapshot().last_error, "");
+  now = 2'000'000;
+  EXPECT_EQ(feed->Next({})->id.utime, 5'000'001);
+  EXPECT_EQ(
+      monitor_.Snapshot().last_error,
+      "this host's clock was set back by 3.000 s: until it is there again, frames are stamped "
+      "1 µs apart");
+}
+
 TEST_F(SourceFeed, GivesARecordingThatBeginsAgainItsOwnTimesAgain) {
   const std::deque<int64_t> times = {5000, 7000, 7000, 8000, 5000, 7000, 7000};
   const auto feed = FeedFrom(std::make_unique<Camera>(false, times), CaptureConfig(), monitor_);
