@@ -5,11 +5,10 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <new>
 #include <utility>
 #include <vector>
-
-#include "common/bus/lcm_url.h"
 
 namespace sprout {
 namespace {
@@ -18,11 +17,20 @@ namespace {
 constexpr timeval kPatience{.tv_sec = 0, .tv_usec = 100'000};
 constexpr size_t kLargestDatagram = 65536;
 
+// After so long without a datagram the group is joined again.
+constexpr std::chrono::seconds kSilence{1};
+
+// Joins the group on the device to which its route leads. Of a device that is gone, as an adapter
+// that is unplugged or a VPN that starts again, the kernel forgets who has joined.
+bool Join(int fd, const in_addr& address) {
+  ip_mreq group{};
+  group.imr_multiaddr = address;
+  return setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group) == 0;
+}
+
 // Listens on the group's address only: on any address all that is sent to this host would come,
 // too. The port is shared with all other processes that listen there.
 bool Listen(int fd, const UdpmAddress& address) {
-  ip_mreq group{};
-  group.imr_multiaddr = address.group.sin_addr;
   const int yes = 1;
   if (address.receive_buffer > 0) {
     setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &address.receive_buffer, sizeof address.receive_buffer);
@@ -30,11 +38,10 @@ bool Listen(int fd, const UdpmAddress& address) {
   return setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) == 0 &&
          setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &kPatience, sizeof kPatience) == 0 &&
          bind(fd, reinterpret_cast<const sockaddr*>(&address.group), sizeof address.group) == 0 &&
-         setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group) == 0;
+         Join(fd, address.group.sin_addr);
 }
 
-int Open(const std::string& url) {
-  const UdpmAddress address = RequireUdpmRoute(url);
+int Open(const std::string& url, const UdpmAddress& address) {
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (fd >= 0 && Listen(fd, address)) return fd;
   if (fd >= 0) close(fd);
@@ -44,23 +51,32 @@ int Open(const std::string& url) {
 }  // namespace
 
 UdpmSocket::UdpmSocket(const std::string& url, std::function<bool(std::string_view)> is_wanted)
-    : socket_(Open(url)), joiner_(std::move(is_wanted)) {}
+    : address_(RequireUdpmRoute(url)),
+      socket_(Open(url, address_)),
+      joiner_(std::move(is_wanted)) {}
 
 UdpmSocket::~UdpmSocket() { close(socket_); }
 
 void UdpmSocket::Receive(const std::stop_token& stop,
                          const std::function<void(DatagramJoiner::Message)>& on_message) {
+  using Clock = std::chrono::steady_clock;
   std::vector<uint8_t> datagram(kLargestDatagram);
+  Clock::time_point heard = Clock::now();
   while (!stop.stop_requested()) {
     sockaddr_in sender{};
     socklen_t sender_bytes = sizeof sender;
     const ssize_t bytes = recvfrom(socket_, datagram.data(), datagram.size(), 0,
                                    reinterpret_cast<sockaddr*>(&sender), &sender_bytes);
-    if (bytes <= 0) continue;
+    const Clock::time_point now = Clock::now();
+    if (bytes > 0 || now - heard > kSilence) heard = now;
+    if (bytes <= 0) {
+      // Where it is joined this does nothing.
+      if (heard == now) Join(socket_, address_.group.sin_addr);
+      continue;
+    }
     try {
       auto message = joiner_.Add({sender.sin_addr.s_addr, sender.sin_port},
-                                 std::span(datagram).first(static_cast<size_t>(bytes)),
-                                 std::chrono::steady_clock::now());
+                                 std::span(datagram).first(static_cast<size_t>(bytes)), now);
       if (message) on_message(std::move(*message));
     } catch (const std::bad_alloc&) {  // as if it had been lost on the way
     }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/bus/datagram_joiner.h"
+#include "common/bus/lcm_url.h"
 
 namespace sprout {
 
@@ -22,11 +23,13 @@ class UdpmSocket {
   UdpmSocket(const UdpmSocket&) = delete;
   UdpmSocket& operator=(const UdpmSocket&) = delete;
 
-  /// Hands over messages until a stop is requested, and 0.1 s longer at most.
+  /// Hands over messages until a stop is requested, and 0.1 s longer at most. Goes on when a
+  /// network device was replaced.
   void Receive(const std::stop_token& stop,
                const std::function<void(DatagramJoiner::Message)>& on_message);
 
  private:
+  UdpmAddress address_;
   int socket_;
   DatagramJoiner joiner_;
 };

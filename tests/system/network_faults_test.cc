@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <csignal>
+#include <cstdlib>
 #include <list>
 #include <map>
 #include <memory>
@@ -17,6 +18,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/bus/publisher.h"
+#include "common/bus/receiver.h"
 #include "tests/system/graph.h"
 #include "tests/system/graph_record.h"
 
@@ -328,6 +331,35 @@ TEST_F(NetworkFaultsSystem, TakesAllOfThatAtOnce) {
   Run({.lost = 0.01, .doubled = 0.05, .reordered = 0.05});
   ExpectBalance();
   ExpectNoneWrong();
+}
+
+// As an adapter that is unplugged, or a VPN that starts again. Nobody else may listen meanwhile:
+// the kernel gives a group's datagrams to all who listen when one has joined.
+TEST(NetworkDeviceSystem, IsHeardAgainWhenItWasReplaced) {
+  const auto run = [](const std::string& command) { return std::system(command.c_str()) == 0; };
+  const std::string plug =
+      "ip link add plug type veth peer name socket && ip link set socket up && "
+      "ip addr add 10.99.0.1/24 dev plug && ip link set plug up && "
+      "ip route add 239.99.0.1/32 dev plug";
+  if (!run(plug)) GTEST_SKIP() << "this kernel has no veth devices";
+  const std::string url = "udpm://239.99.0.1:7667?ttl=0";
+  std::atomic<int> heard = 0;
+  const Receiver receiver(url, "", {"SPROUT_STATUS"},
+                          [&](std::string_view, std::span<const uint8_t>) { ++heard; });
+  Publisher publisher(url, "");
+  const auto hears = [&] {
+    heard = 0;
+    for (int i = 0; i < 200 && heard == 0; ++i) {
+      static_cast<void>(publisher.Publish("SPROUT_STATUS", std::vector<uint8_t>(100)));
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    return heard > 0;
+  };
+  EXPECT_TRUE(hears());
+  ASSERT_TRUE(run("ip link del plug"));
+  ASSERT_TRUE(run(plug));
+  EXPECT_TRUE(hears());
+  EXPECT_TRUE(run("ip link del plug"));
 }
 
 }  // namespace
