@@ -62,6 +62,11 @@ std::string AgeText(double age_ms, std::string_view clocks) {
   return fmt::format("{}{:.0f}", clocks == "two" ? "~" : "", age_ms);
 }
 
+std::string RateText(double rate_hz) {
+  return rate_hz > 0 && rate_hz < 0.95 ? fmt::format("{:.2g}", rate_hz)
+                                       : fmt::format("{:.1f}", rate_hz);
+}
+
 std::string RowText(const BoardRow& row, const std::vector<BoardRow>& rows, bool colour) {
   const StageStatus& s = row.status;
   const std::string start = fmt::format("{:<10.10} {}", s.stage, HealthText(row.health, colour));
@@ -70,9 +75,9 @@ std::string RowText(const BoardRow& row, const std::vector<BoardRow>& rows, bool
   const std::string cover =
       s.tof_coverage < 0 ? "-" : fmt::format("{:.0f} %", 100 * s.tof_coverage);
   return start + fmt::format(
-                     "{:>6} {:>6.1f} {:>8} {:>6.0f} {:>6.0f} {:>6} {:>6} {:>6} {:>6} {:>5} {:>5} "
+                     "{:>6} {:>6} {:>8} {:>6.0f} {:>6.0f} {:>6} {:>6} {:>6} {:>6} {:>5} {:>5} "
                      "{:>5} {:>6.0f} {:>5}  {}:{}\n",
-                     s.newest_frame.seq, s.rate_hz, s.frames_out, s.latency.p50_ms,
+                     s.newest_frame.seq, RateText(s.rate_hz), s.frames_out, s.latency.p50_ms,
                      s.latency.p99_ms, AgeText(s.age.p50_ms, clocks), AgeText(s.age.p99_ms, clocks),
                      s.frames_skipped, s.frames_incomplete, s.sequence_gaps,
                      s.frames_failed + s.frames_degenerate, s.bad_messages,

@@ -231,6 +231,9 @@ TEST_F(StatusBoardTest, IsWrittenForPeopleAndForScripts) {
   EXPECT_EQ(json["stages"][0]["health"], "missing");
   EXPECT_EQ(json["stages"][1]["newest_seq"], 412);
   EXPECT_EQ(json["stages"][1]["pid"], 77);
+  status.rate_hz = 0.0934;
+  board_.Add(status, start_);
+  EXPECT_THAT(BoardText(board_.Rows(start_), false), HasSubstr(" 0.093 "));
 }
 
 TEST_F(StatusBoardTest, SaysWhichClocksTellAnAge) {
