@@ -112,6 +112,7 @@ class Watcher {
   void Look(const Frame& frame) {
     const auto arrived = Clock::now();
     monitor_.FrameIn(/*skipped=*/false);
+    monitor_.SetRig(frame.id.rig_id);
     try {
       const Result<std::optional<RigChange>> seen = watch_.Add(frame);
       if (!seen) return monitor_.FrameFailed(frame.id, seen.error().text);
