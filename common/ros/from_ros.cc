@@ -161,6 +161,18 @@ Result<Lens> LensOf(const RosCameraInfo& ros) {
   return fit.lens;
 }
 
+// R; drivers that rectify by themselves may leave it out, which is zeros.
+Result<Eigen::Matrix3d> RectificationOf(const RosCameraInfo& ros) {
+  constexpr double kRounding = 1e-4;  // of files with five decimals
+  const Eigen::Matrix3d turn =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(ros.r);
+  if (turn.isZero(0)) return Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+  if ((turn * turn.transpose()).isIdentity(kRounding) && turn.determinant() > 0) {
+    return Eigen::Quaterniond(turn).normalized().toRotationMatrix();
+  }
+  return Fail("r = no rotation: allowed is a rotation, or zeros for none");
+}
+
 }  // namespace
 
 Result<int64_t> FromRosStamp(const RosHeader& header) {
@@ -284,11 +296,9 @@ Result<RosCamera> FromRosInfo(const RosCameraInfo& ros) {
                    .cx = ros.p[2],
                    .cy = ros.p[6],
                    .tx = ros.p[3]};
-  camera.rectification = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(ros.r);
-  const Eigen::Matrix3d& turn = camera.rectification;
-  const bool is_turn = (turn * turn.transpose()).isIdentity(1e-6) && turn.determinant() > 0;
-  checks.Require(is_turn, "r", "no rotation", "a rotation");
-  if (!checks.ok()) return checks.error();
+  const Result<Eigen::Matrix3d> turn = RectificationOf(ros);
+  if (!turn) return tl::unexpected(turn.error());
+  camera.rectification = *turn;
   return camera;
 }
 

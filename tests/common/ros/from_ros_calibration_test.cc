@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
@@ -105,6 +106,17 @@ TEST(FromRos, RefusesCamerasThatAreNotCalibrated) {
   info = ToRosLeftInfo(Place(), examples::Rig().pair);
   info->p[3] = NAN;
   EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("p = not finite"));
+}
+
+TEST(FromRos, TakesARectificationThatIsLeftOutOrRounded) {
+  auto info = ToRosLeftInfo(Place(), examples::Rig().pair);
+  for (double& r : info->r) r = 0;
+  EXPECT_TRUE(FromRosInfo(*info)->rectification.isIdentity(0));
+  const double rounded[] = {1, -0.0005, 0.002, 0.0005, 1, -0.001, -0.002, 0.001, 1};
+  std::ranges::copy(rounded, info->r);
+  const auto camera = FromRosInfo(*info);
+  ASSERT_TRUE(camera) << ErrorOf(camera);
+  EXPECT_TRUE((camera->rectification * camera->rectification.transpose()).isIdentity(1e-12));
 }
 
 // OpenCV's rational model with the coefficients of Brown's alone is Brown's.
