@@ -44,6 +44,9 @@ class CaptureFeed {
 
   virtual Timing timing() const = 0;
 
+  /// At the end: whether no range image came with any frame, though the source has a range sensor.
+  virtual bool lacks_ranges() const { return false; }
+
   /// What frames are rectified with, which may be replaced at any time: the next frame has the new
   /// one, behind its calibration. Null when the frames come rectified, or stay unrectified.
   virtual std::shared_ptr<CurrentRig> current_rig() const { return nullptr; }

@@ -150,7 +150,9 @@ class Capture {
     }
     WaitForRoom(0);
     Report(Clock::now() - started);
-    return sent_ > 0 || stop_.stop_requested() ? 0 : SayNothingCame();
+    if (stop_.stop_requested()) return 0;
+    if (sent_ == 0) return SayNothingCame();
+    return feed_->lacks_ranges() ? 1 : 0;
   }
 
  private:

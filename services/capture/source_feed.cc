@@ -33,7 +33,9 @@ class SourceFeed : public CaptureFeed {
   std::optional<CaptureMessages> Next(const std::stop_token& stop) override {
     std::optional<scenes::CapturedFrame> frame = source_->Next(stop);
     if (!frame) {
-      Tell(source_->lost_at_end());
+      const scenes::LostFrames lost = source_->lost_at_end();
+      lacks_ranges_ = lost.lacks_ranges;
+      Tell(lost);
       return std::nullopt;
     }
     Tell({.count = frame->lost, .trouble = frame->trouble});
@@ -69,6 +71,8 @@ class SourceFeed : public CaptureFeed {
     return source_->is_recorded() ? Timing::kRecorded : Timing::kAsked;
   }
 
+  bool lacks_ranges() const override { return lacks_ranges_; }
+
   std::shared_ptr<CurrentRig> current_rig() const override { return current_; }
 
  private:
@@ -96,6 +100,7 @@ class SourceFeed : public CaptureFeed {
   FrameId newest_;
   int64_t sources_utime_ = 0;  // of the newest frame, by the source
   LogLimiter clock_log_;
+  bool lacks_ranges_ = false;
 };
 
 }  // namespace

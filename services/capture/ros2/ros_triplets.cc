@@ -96,6 +96,7 @@ Result<void> RosTriplets::Take(const RosBytes& message) {
   if (!timed) {
     // Its partner will be counted as a capture that is not whole.
     trouble_ = timed.error().text;
+    if (PlaceOf(message.role) == RigPlace::kTof) range_trouble_ = trouble_;
     return tl::unexpected(timed.error());
   }
   if (message.role == RosRole::kLeft || message.role == RosRole::kRight) {
@@ -137,9 +138,15 @@ scenes::LostFrames RosTriplets::LostSince(bool at_end) {
   scenes::LostFrames lost{.count = unpaired - std::exchange(unpaired_, unpaired)};
   // A message that was refused explains the image that will lack it.
   if (lost.count > 0) lost.trouble = trouble_.empty() ? WhyUnpaired() : std::exchange(trouble_, {});
-  if (lost.trouble.empty()) {
-    lost.trouble = JoinTrouble(synchronizer_.tof_joins(), synchronizer_.config(), sensor_, at_end);
+  if (!lost.trouble.empty() && !at_end) return lost;
+  const TofJoins& joins = synchronizer_.tof_joins();
+  std::string no_ranges = JoinTrouble(joins, synchronizer_.config(), sensor_, at_end);
+  if (no_ranges.empty()) return lost;
+  if (joins.came == 0 && !range_trouble_.empty()) {
+    no_ranges = fmt::format("no range image of {} can be used: {}", sensor_, range_trouble_);
   }
+  lost.lacks_ranges = at_end;
+  lost.trouble += (lost.trouble.empty() ? "" : "; ") + no_ranges;
   return lost;
 }
 

@@ -62,6 +62,7 @@ class RosTriplets {
   bool begins_ = true;  // until what came before both is forgotten
   double max_spread_ms_;
   std::string trouble_;
+  std::string range_trouble_;  // of the newest range image that cannot be used
   bool is_finished_ = false;
 };
 

@@ -181,7 +181,8 @@ TEST(RosSource, ReportsLossesWhenTheyHappen) {
 
 // The line at the end of a recording of three pairs and their range images, with these stamps.
 std::string RangeTrouble(int64_t pairs_utime, int64_t range_utime,
-                         const std::string& topic = "/depth/image") {
+                         const std::string& topic = "/depth/image",
+                         const cv::Mat& range = cv::Mat1f(kSize, 2)) {
   const TemporaryDirectory folder;
   RosRecording file(folder / "file");
   file.AddCalibration(examples::Rig());
@@ -189,7 +190,7 @@ std::string RangeTrouble(int64_t pairs_utime, int64_t range_utime,
     const int64_t later = pairs_utime == 0 ? 0 : 100'000 * i;
     file.AddImage("/left/image", pairs_utime + later, Grey(i));
     file.AddImage("/right/image", pairs_utime + later, Grey(i));
-    file.AddImage(topic, range_utime + 100'000 * i, cv::Mat1f(kSize, 2));
+    file.AddImage(topic, range_utime + 100'000 * i, range);
   }
   file.Finish();
   Told told;
@@ -198,7 +199,9 @@ std::string RangeTrouble(int64_t pairs_utime, int64_t range_utime,
   const auto frames = All(*source);
   EXPECT_EQ(frames.size(), 3U);
   for (const auto& frame : frames) EXPECT_EQ(frame.trouble, "");
-  return source->lost_at_end().trouble;
+  const scenes::LostFrames lost = source->lost_at_end();
+  EXPECT_EQ(lost.lacks_ranges, !lost.trouble.empty());
+  return lost.trouble;
 }
 
 TEST(RosSource, SaysWhyARangeSensorNeverJoins) {
@@ -211,6 +214,8 @@ TEST(RosSource, SaysWhyARangeSensorNeverJoins) {
                 HasSubstr("is that another clock, or are there no stamps?"));
   }
   EXPECT_THAT(RangeTrouble(0, kStart), HasSubstr("or are there no stamps?"));
+  EXPECT_THAT(RangeTrouble(kStart, kStart, "/depth/image", cv::Mat1b(kSize, 90)),
+              HasSubstr("no range image of /depth/image can be used: encoding = "));
 }
 
 TEST(RosSource, PicturesOf16BitsBecomeThoseOf8AsTheyUseThem) {
