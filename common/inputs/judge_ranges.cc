@@ -188,13 +188,18 @@ bool IsMoved(const RangeModel& model) {
          MoreAgree(moved, model.as_is, Vote::kIsClose) >= RangeVerdicts::kMovedSure;
 }
 
-bool IsShifted(const RangeModel& model) {
-  const Agreement& shifted = model.shifted;
-  return shifted.compared >= RangeVerdicts::kSomeCompared &&
-         shifted.close_share() >= RangeVerdicts::kGood &&
-         shifted.close_share() - model.as_is.close_share() >= RangeVerdicts::kShiftedGain &&
-         MoreAgree(shifted, model.as_is, Vote::kIsClose) >= RangeVerdicts::kShiftedSure &&
-         shifted.close_share() > std::max(model.moved.close_share(), model.scaled.close_share());
+// Whether points at other places in the picture explain what those as they are do not.
+bool IsElsewhere(const RangeModel& model, const Agreement& elsewhere) {
+  return elsewhere.compared >= RangeVerdicts::kSomeCompared &&
+         elsewhere.close_share() >= RangeVerdicts::kGood &&
+         elsewhere.close_share() - model.as_is.close_share() >= RangeVerdicts::kShiftedGain &&
+         MoreAgree(elsewhere, model.as_is, Vote::kIsClose) >= RangeVerdicts::kShiftedSure &&
+         elsewhere.close_share() > std::max(model.moved.close_share(), model.scaled.close_share());
+}
+
+bool IsSpread(const RangeModel& model) {
+  return model.spread.close_share() > model.shifted.close_share() &&
+         IsElsewhere(model, model.spread);
 }
 
 std::string SideText(double px, const char* less, const char* more) {
@@ -212,7 +217,7 @@ Finding JudgePlace(const RangeModel& model) {
         "the range image is {} (then ranges agree with stereo at {:.0f} % of "
         "the matches, as it is at {:.0f} %)",
         NameOf(model.turned.turn), 100 * model.turned.share(), 100 * as_is.share());
-  } else if (IsShifted(model)) {
+  } else if (IsElsewhere(model, model.shifted) && !IsSpread(model)) {
     finding.verdict = Verdict::kBad;
     finding.text = fmt::format(
         "range points belong about {} in the left image (there {:.0f} % of them are within 1 % of "
@@ -247,6 +252,13 @@ Finding JudgeScale(const RangeModel& model, bool is_turned) {
     finding.text = fmt::format("ranges are {:.4g} ± {:.1g} times too {}: {}",
                                is_short ? factor : 1 / factor, is_short ? sigma : model.ratio.sigma,
                                is_short ? "short" : "long", CureOf(factor, sigma));
+  } else if (!is_turned && IsSpread(model)) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format(
+        "the range image has {:.2f} times the field of view that it is taken for (then {:.0f} % of "
+        "its points are within 1 % of stereo, as it is {:.0f} %): give the sensor's own lens "
+        "(--tof-rig, CameraInfo)",
+        model.spread.spread, 100 * model.spread.close_share(), 100 * model.as_is.close_share());
   } else if (!is_turned && model.as_is.compared >= RangeVerdicts::kFewCompared &&
              model.as_is.share() >= RangeVerdicts::kGood) {
     finding.verdict = Verdict::kGood;

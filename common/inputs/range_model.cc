@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/core/quantile.h"
+#include "common/inputs/point_grid.h"
 
 namespace sprout::inputs {
 namespace {
@@ -17,14 +18,6 @@ namespace {
 struct RangeRules {
   static constexpr size_t kMaxPoints = 10000;  ///< that are compared; more say no more
   static constexpr size_t kMaxTurned = 2500;   ///< in each other turn
-  static constexpr double kReach = 1.5;        ///< of a match's neighbours, in spacings of points
-  static constexpr size_t kFewestAround = 3;   ///< points around a match
-  static constexpr size_t kMaxAround = 64;
-  /// Their middle may lie so far beside the match, px: beside a beam of a lidar the disparity of a
-  /// road changes by a third of a pixel a row (baseline / height of the cameras).
-  static constexpr float kMaxAside = 4;
-  static constexpr float kMaxAsideShare = 0.15F;  ///< or of the reach
-  static constexpr double kOneSurface = 0.12;     ///< most by which their disparities differ, share
   /// See Vote.
   static constexpr double kTolerancePx = 1;
   static constexpr double kToleranceShare = 0.03;
@@ -40,6 +33,9 @@ struct RangeRules {
   static constexpr double kMoves[] = {0.015, 0.03, 0.045, 0.06, 0.08, 0.1};
   /// Moves in the picture, shares of the picture's width: 1 to 7 degrees of a camera that sees 60.
   static constexpr double kShifts[] = {0.015, 0.03, 0.06, 0.12};
+  /// Widths of the field of view that are tried first, shares of what the calibration says.
+  static constexpr double kSpreads[] = {0.5,  0.6,  0.7,  0.8, 0.87, 0.93,
+                                        1.07, 1.15, 1.25, 1.4, 1.7,  2};
   static constexpr double kApart = 0.1;  ///< see RangeModel::apart
 };
 
@@ -49,81 +45,12 @@ struct RangePixel {
   float depth;
 };
 
-struct PicturePoint {
-  float u, v;
-  float disparity;  // d + c_x' − c_x, px
-};
-
 struct Hypothesis {
   double factor = 1;
   Turn turn = {};
   double ahead_m = 0;
   cv::Point2d move_px = {0, 0};
-};
-
-// Points in the picture, in cells; for what lies around a position.
-class PointGrid {
- public:
-  PointGrid(std::vector<PicturePoint> points, cv::Size picture) : points_(std::move(points)) {
-    const auto count = static_cast<double>(std::max<size_t>(1, points_.size()));
-    reach_ =
-        static_cast<float>(RangeRules::kReach * std::max(1.0, std::sqrt(picture.area() / count)));
-    cells_ = cv::Size(static_cast<int>(static_cast<float>(picture.width) / reach_) + 1,
-                      static_cast<int>(static_cast<float>(picture.height) / reach_) + 1);
-    first_.assign(static_cast<size_t>(cells_.area()), -1);
-    next_.resize(points_.size());
-    for (size_t i = 0; i < points_.size(); ++i) {
-      int& first = first_[Index(static_cast<int>(points_[i].u / reach_),
-                                static_cast<int>(points_[i].v / reach_))];
-      next_[i] = first;
-      first = static_cast<int>(i);
-    }
-  }
-
-  // The median disparity around a position, if there all points lie on one surface.
-  std::optional<double> SurfaceAt(const cv::Point2f& at) {
-    around_.clear();
-    cv::Point2f aside(0, 0);
-    const int column = static_cast<int>(at.x / reach_);
-    const int row = static_cast<int>(at.y / reach_);
-    for (int y = std::max(0, row - 1); y <= std::min(cells_.height - 1, row + 1); ++y) {
-      for (int x = std::max(0, column - 1); x <= std::min(cells_.width - 1, column + 1); ++x) {
-        for (int i = first_[Index(x, y)]; i >= 0; i = next_[static_cast<size_t>(i)]) {
-          const PicturePoint& point = points_[static_cast<size_t>(i)];
-          const float du = point.u - at.x;
-          const float dv = point.v - at.y;
-          if (du * du + dv * dv > reach_ * reach_) continue;
-          around_.push_back(point.disparity);
-          aside += cv::Point2f(du, dv);
-          if (around_.size() == RangeRules::kMaxAround) return MedianOfSurface(aside);
-        }
-      }
-    }
-    return MedianOfSurface(aside);
-  }
-
- private:
-  // @param aside  sum of the points' offsets from the match.
-  std::optional<double> MedianOfSurface(const cv::Point2f& aside) {
-    if (around_.size() < RangeRules::kFewestAround) return {};
-    const float allowed = std::max(RangeRules::kMaxAside, RangeRules::kMaxAsideShare * reach_);
-    const auto count = static_cast<float>(around_.size());
-    if (cv::norm(aside) > allowed * count) return {};
-    const auto [least, most] = std::ranges::minmax_element(around_);
-    if (*most - *least > RangeRules::kOneSurface * *most) return {};
-    return Median(around_);
-  }
-
-  size_t Index(int x, int y) const {
-    return static_cast<size_t>(y) * static_cast<size_t>(cells_.width) + static_cast<size_t>(x);
-  }
-
-  std::vector<PicturePoint> points_;
-  float reach_;
-  cv::Size cells_;
-  std::vector<int> first_;
-  std::vector<int> next_;
-  std::vector<float> around_;
+  double spread = 1;
 };
 
 // All values of a range image, and how many are returns.
@@ -188,6 +115,7 @@ class Comparison {
                      .turn = hypothesis.turn,
                      .ahead_m = hypothesis.ahead_m,
                      .move_px = hypothesis.move_px,
+                     .spread = hypothesis.spread,
                      .in_picture = in_picture,
                      .in_both = static_cast<int>(in_both),
                      .votes = std::vector<Vote>(matches_.size(), Vote::kNone),
@@ -226,8 +154,10 @@ class Comparison {
     points.reserve(pixels.size());
     for (const RangePixel& pixel : pixels) {
       const cv::Point at = Turned(pixel.at, size, hypothesis.turn);
+      Eigen::Vector3d ray = projector_.ray(at.x, at.y);
+      ray.head<2>() *= hypothesis.spread;
       const Eigen::Vector3d point =
-          rotation_ * (projector_.ray(at.x, at.y) * (hypothesis.factor * pixel.depth)) + position;
+          rotation_ * (ray * (hypothesis.factor * pixel.depth)) + position;
       if (!(point.z() > 0)) continue;
       const double share = pair.focal_px / point.z();
       const double u = share * point.x() + pair.cx + hypothesis.move_px.x;
@@ -324,6 +254,25 @@ Agreement BestShifted(const Comparison& comparison, std::span<const RangePixel> 
   return best;
 }
 
+// Narrower fields of view reach fewer matches, so those that disagree count as well.
+Agreement BestSpread(const Comparison& comparison, std::span<const RangePixel> pixels) {
+  Agreement best;
+  const auto merit = [](const Agreement& agreement) {
+    return agreement.close - 2 * (agreement.compared - agreement.close);
+  };
+  const auto look_at = [&](double spread) {
+    Agreement agreement = comparison.Compare(pixels, {.spread = spread});
+    if (merit(agreement) > merit(best)) best = std::move(agreement);
+  };
+  for (const double spread : RangeRules::kSpreads) look_at(spread);
+  for (const double step : {0.04, 0.02}) {
+    const double from = best.spread;  // `best` changes meanwhile
+    look_at(from * (1 - step));
+    look_at(from * (1 + step));
+  }
+  return best;
+}
+
 double MedianDistance(std::span<const Match> matches, const RectifiedPair& pair) {
   std::vector<double> distances;
   for (const Match& match : matches) {
@@ -385,6 +334,7 @@ RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
   }
   if (model.as_is.close_share() < RangeRules::kClose) {
     model.shifted = BestShifted(comparison, Chosen(all, RangeRules::kMaxTurned), pair.width);
+    model.spread = BestSpread(comparison, Chosen(all, RangeRules::kMaxTurned));
     model.moved = BestMoved(comparison, pixels, MedianDistance(matches, pair));
   }
   const Agreement& fitting =

@@ -115,6 +115,18 @@ TEST(CheckInputs, AsksForAScaleThatNothingShows) {
   EXPECT_THAT(finding.text, HasSubstr("m apart"));
 }
 
+TEST(CheckInputs, SaysThatARangeImageHasAnotherFieldOfView) {
+  for (const double times : {0.8, 1.0, 1.25}) {
+    Parts parts = SceneOf("synthetic:640x480?tof=grid");
+    parts.rig.tof.fx *= times;
+    parts.rig.tof.fy *= times;
+    const Finding finding = parts.Answer(Question::kScale);
+    EXPECT_EQ(finding.verdict, times == 1 ? Verdict::kGood : Verdict::kBad) << times;
+    EXPECT_EQ(finding.text.find("times the field of view") != std::string::npos, times != 1)
+        << finding.text;
+  }
+}
+
 TEST(CheckInputs, SaysThatPrincipalPointsDoNotFit) {
   Parts parts = SceneOf();
   parts.rig.pair.cx_right -= 40;  // nearer surfaces have more than 40 px of disparity
