@@ -23,15 +23,52 @@ Findings NoneCanTell(const std::string& why) {
   return findings;
 }
 
-// No ranges show the scale, but few rigs are so wide.
-void SayBaseline(const RectifiedPair& pair, Finding& scale) {
+// How many times as far from the corner the principal point lies as the middle of the images, if
+// that is far in both directions alike, as in images that were resized; else 1.
+double TimesMiddle(const RectifiedPair& pair) {
+  constexpr double kResized = 1.3;
+  constexpr double kAlike = 1.15;
+  const double columns = (2 * pair.cx + 1) / pair.width;
+  const double rows = (2 * pair.cy + 1) / pair.height;
+  const auto is_beyond = [](double ratio, double most) { return ratio > most || ratio < 1 / most; };
+  if (!(columns > 0 && rows > 0) || is_beyond(columns / rows, kAlike)) return 1;
+  const double times = std::sqrt(columns * rows);
+  return is_beyond(times, kResized) ? times : 1;
+}
+
+// What is hardly ever so of a calibration; empty: nothing.
+std::string UnlikelyCalibration(const RectifiedPair& pair) {
   constexpr double kWidestM = 5;
-  if (scale.verdict != Verdict::kCannotTell || pair.baseline_m <= kWidestM) return;
+  constexpr double kNarrowestM = 1e-3;
+  if (pair.baseline_m > kWidestM) {
+    return fmt::format(
+        "the cameras are {:.4g} m apart, and no range shows that it is so: is the "
+        "calibration in mm? it has to be in m",
+        pair.baseline_m);
+  }
+  if (pair.baseline_m < kNarrowestM) {
+    return fmt::format(
+        "the cameras are {:.2g} mm apart, and no range shows that it is so: is the "
+        "baseline in m, and P of ROS with −f·b, not −b?",
+        1000 * pair.baseline_m);
+  }
+  if (const double times = TimesMiddle(pair); times != 1) {
+    return fmt::format(
+        "the principal point ({:.1f}, {:.1f}) lies {:.2g} times as far right and "
+        "down as the middle of images of {}, and no range shows that f is right: is "
+        "the calibration of images of another size, about {:.0f}x{:.0f}?",
+        pair.cx, pair.cy, times, SizeText(pair.size()), times * pair.width, times * pair.height);
+  }
+  return {};
+}
+
+// No ranges show the scale, but few rigs are so.
+void SayUnlikely(const RectifiedPair& pair, Finding& scale) {
+  if (scale.verdict != Verdict::kCannotTell) return;
+  std::string text = UnlikelyCalibration(pair);
+  if (text.empty()) return;
   scale.verdict = Verdict::kBad;
-  scale.text = fmt::format(
-      "the cameras are {:.4g} m apart, and no range shows that it is so: is the calibration in mm? "
-      "it has to be in m",
-      pair.baseline_m);
+  scale.text = std::move(text);
 }
 
 struct Shown {
@@ -70,7 +107,7 @@ Findings CheckInputs(const cv::Mat1b& left, const cv::Mat1b& right, const TofIma
     return finding.verdict == Verdict::kBad && finding.question != Question::kContrast;
   });
   for (Finding& finding : JudgeRanges(ranges ? &*ranges : nullptr, fits)) {
-    if (finding.question == Question::kScale) SayBaseline(pair, finding);
+    if (finding.question == Question::kScale) SayUnlikely(pair, finding);
     findings.push_back(std::move(finding));
   }
   return findings;

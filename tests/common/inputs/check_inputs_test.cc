@@ -113,6 +113,25 @@ TEST(CheckInputs, AsksForAScaleThatNothingShows) {
   const Finding finding = parts.Answer(Question::kScale);
   EXPECT_EQ(finding.verdict, Verdict::kBad);
   EXPECT_THAT(finding.text, HasSubstr("m apart"));
+  parts.rig.pair.baseline_m /= 1000 * parts.rig.pair.focal_px;  // P of ROS with −b
+  EXPECT_THAT(parts.Answer(Question::kScale).text, HasSubstr("mm apart"));
+}
+
+TEST(CheckInputs, SeesACalibrationOfImagesOfAnotherSize) {
+  for (const double times : {0.5, 1.2, 2.0}) {
+    Parts parts = SceneOf();
+    parts.tof = {};
+    RectifiedPair& pair = parts.rig.pair;
+    pair.focal_px *= times;
+    pair.cx *= times;
+    pair.cx_right *= times;
+    pair.cy *= times;
+    const Finding finding = parts.Answer(Question::kScale);
+    EXPECT_EQ(finding.verdict, times == 1.2 ? Verdict::kCannotTell : Verdict::kBad) << times;
+    EXPECT_EQ(finding.text.find("another size") != std::string::npos, times != 1.2) << times;
+    pair.cy = 239.5;  // a crop may be anywhere
+    EXPECT_EQ(parts.Answer(Question::kScale).verdict, Verdict::kCannotTell) << times;
+  }
 }
 
 TEST(CheckInputs, SaysThatARangeImageHasAnotherFieldOfView) {
