@@ -87,65 +87,6 @@ const char* NameOf(const Turn& turn) {
   return "upside down";
 }
 
-Finding JudgeHits(const RangeModel& model) {
-  Finding finding{.question = Question::kHits};
-  const double share = model.values == 0 ? 0 : static_cast<double>(model.in_picture) / model.values;
-  finding.value = 100 * share;
-  finding.sigma = 0;
-  finding.text = fmt::format(
-      "{} of {} pixels of the range image have a return, {} of them fall "
-      "into the picture",
-      model.returns, model.pixels, std::min(model.in_picture, model.returns));
-  const double apart = model.pairs == 0 ? 0 : static_cast<double>(model.apart) / model.pairs;
-  if (model.pairs >= RangeVerdicts::kFewPairs && apart > RangeVerdicts::kNoise) {
-    finding.verdict = Verdict::kBad;
-    finding.text = fmt::format(
-        "{:.0f} % of the ranges side by side differ by more than a tenth: is it noise, or are "
-        "bytes in another order?",
-        100 * apart);
-    return finding;
-  }
-  // What lies so near that the right camera does not see it becomes no seed and is never compared.
-  if (model.in_picture >= RangeVerdicts::kManyInPicture &&
-      model.in_both < RangeVerdicts::kHitsBoth * model.in_picture) {
-    finding.verdict = Verdict::kBad;
-    finding.text = fmt::format(
-        "{} of {} range points in the left picture lie outside the right one, as what is too near: "
-        "in which unit are ranges (--tof-unit), where does the range sensor stand (rig file), and "
-        "do focal length and baseline belong to these images?",
-        model.in_picture - model.in_both, model.in_picture);
-    return finding;
-  }
-  const RepeatedRange& repeated = model.repeated;
-  if (repeated.count > 0 && repeated.agreeing <= RangeVerdicts::kBackground * repeated.compared) {
-    finding.verdict = Verdict::kBad;
-    finding.text = fmt::format(
-        "{} pixels of the range image have exactly {:.3f} m, and no other more than {:.3f} m: is "
-        "that what the sensor says where it measures nothing? give 0 there",
-        repeated.count, repeated.depth_m, repeated.next_m);
-    return finding;
-  }
-  if (model.returns > 0 && share >= RangeVerdicts::kHits) {
-    finding.verdict = Verdict::kGood;
-    return finding;
-  }
-  finding.verdict = Verdict::kBad;
-  if (model.returns > 0) {
-    finding.text += ": where does the range sensor stand, and in which unit are ranges (rig file)?";
-  } else if (model.values > 0) {
-    finding.text = fmt::format(
-        "all {} ranges are beyond {:.0f} m: are they in mm, and read as m? "
-        "--tof-unit",
-        model.values, kMaxTofDepthM);
-  } else {
-    finding.text = fmt::format(
-        "none of the {} pixels of the range image has a return: is the range "
-        "sensor running, and does it look where the cameras do?",
-        model.pixels);
-  }
-  return finding;
-}
-
 bool IsScaled(const RangeModel& model) {
   const Agreement& scaled = model.scaled;
   return scaled.compared >= RangeVerdicts::kFewCompared && scaled.share() >= RangeVerdicts::kHalf &&
@@ -200,6 +141,71 @@ bool IsElsewhere(const RangeModel& model, const Agreement& elsewhere) {
 bool IsSpread(const RangeModel& model) {
   return model.spread.close_share() > model.shifted.close_share() &&
          IsElsewhere(model, model.spread);
+}
+
+// Whether the range image as a whole is what is wrong, so that its parts need no cure.
+bool IsExplained(const RangeModel& model) {
+  return IsScaled(model) || IsTurned(model) || IsSpread(model) || IsElsewhere(model, model.shifted);
+}
+
+Finding JudgeHits(const RangeModel& model) {
+  Finding finding{.question = Question::kHits};
+  const double share = model.values == 0 ? 0 : static_cast<double>(model.in_picture) / model.values;
+  finding.value = 100 * share;
+  finding.sigma = 0;
+  finding.text = fmt::format(
+      "{} of {} pixels of the range image have a return, {} of them fall "
+      "into the picture",
+      model.returns, model.pixels, std::min(model.in_picture, model.returns));
+  const double apart = model.pairs == 0 ? 0 : static_cast<double>(model.apart) / model.pairs;
+  if (model.pairs >= RangeVerdicts::kFewPairs && apart > RangeVerdicts::kNoise) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format(
+        "{:.0f} % of the ranges side by side differ by more than a tenth: is it noise, or are "
+        "bytes in another order?",
+        100 * apart);
+    return finding;
+  }
+  // What lies so near that the right camera does not see it becomes no seed and is never compared.
+  if (model.in_picture >= RangeVerdicts::kManyInPicture &&
+      model.in_both < RangeVerdicts::kHitsBoth * model.in_picture) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format(
+        "{} of {} range points in the left picture lie outside the right one, as what is too near: "
+        "in which unit are ranges (--tof-unit), where does the range sensor stand (rig file), and "
+        "do focal length and baseline belong to these images?",
+        model.in_picture - model.in_both, model.in_picture);
+    return finding;
+  }
+  const RepeatedRange& repeated = model.repeated;
+  if (repeated.count > 0 && repeated.agreeing <= RangeVerdicts::kBackground * repeated.compared &&
+      !IsExplained(model)) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format(
+        "{} pixels of the range image have exactly {:.3f} m, and no other more than {:.3f} m: is "
+        "that what the sensor says where it measures nothing? give 0 there",
+        repeated.count, repeated.depth_m, repeated.next_m);
+    return finding;
+  }
+  if (model.returns > 0 && share >= RangeVerdicts::kHits) {
+    finding.verdict = Verdict::kGood;
+    return finding;
+  }
+  finding.verdict = Verdict::kBad;
+  if (model.returns > 0) {
+    finding.text += ": where does the range sensor stand, and in which unit are ranges (rig file)?";
+  } else if (model.values > 0) {
+    finding.text = fmt::format(
+        "all {} ranges are beyond {:.0f} m: are they in mm, and read as m? "
+        "--tof-unit",
+        model.values, kMaxTofDepthM);
+  } else {
+    finding.text = fmt::format(
+        "none of the {} pixels of the range image has a return: is the range "
+        "sensor running, and does it look where the cameras do?",
+        model.pixels);
+  }
+  return finding;
 }
 
 std::string SideText(double px, const char* less, const char* more) {

@@ -104,6 +104,10 @@ TEST(CheckInputs, AsksForANumberThatMayMeanNothing) {
   cv::minMaxLoc(parts.tof.depth_m, nullptr, &far);
   parts.tof.depth_m.setTo(far, parts.tof.depth_m > 0.97 * far);
   EXPECT_EQ(parts.Answer(Question::kHits).verdict, Verdict::kGood);
+  // Nor is it the cure where all ranges are in another unit.
+  parts.tof.depth_m *= 0.256;
+  EXPECT_EQ(parts.Answer(Question::kHits).verdict, Verdict::kGood);
+  EXPECT_EQ(parts.Answer(Question::kScale).verdict, Verdict::kBad);
 }
 
 TEST(CheckInputs, AsksForAScaleThatNothingShows) {
