@@ -25,7 +25,9 @@ constexpr char kOfSqlite[] =
     "a bag in SQLite; make MCAP of it with ros2 bag convert, or with mcap convert";
 
 bool IsPart(const fs::path& path) {
-  return path.string().ends_with(".mcap") || path.string().ends_with(".mcap.zstd");
+  const std::string name = path.filename();
+  const bool is_hidden = name.starts_with('.');  // as macOS leaves beside each file
+  return !is_hidden && (name.ends_with(".mcap") || name.ends_with(".mcap.zstd"));
 }
 
 // What metadata.yaml names, whether it was unpacked since (as rosbag2 does to play it) or not.

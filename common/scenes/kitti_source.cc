@@ -119,6 +119,7 @@ std::set<std::string> FrameIds(const fs::path& images) {
   std::set<std::string> stereo;
   for (const fs::directory_entry& entry : fs::directory_iterator(images)) {
     const std::string name = entry.path().filename();
+    if (name.starts_with('.')) continue;  // hidden, as macOS leaves beside each file
     if (name.ends_with(kStereoPng)) stereo.insert(name.substr(0, name.size() - kStereoPng.size()));
     if (name.ends_with(kPng)) all.insert(name.substr(0, name.size() - kPng.size()));
   }

@@ -34,7 +34,10 @@ bool HasExtension(const fs::path& path, std::span<const std::string_view> extens
   return std::ranges::find(extensions, extension) != extensions.end();
 }
 
-bool IsImageName(const fs::path& path) { return HasExtension(path, kExtensions); }
+// Hidden files, such as macOS leaves beside each one ("._7.png"), are no images of the user's.
+bool IsImageName(const fs::path& path) {
+  return HasExtension(path, kExtensions) && !path.filename().native().starts_with('.');
+}
 
 bool IsVideo(const fs::path& path) {
   std::error_code ignored;

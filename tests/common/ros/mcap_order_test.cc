@@ -94,6 +94,7 @@ TEST(McapOrder, IsThatOfAllParts) {
   fs::create_directory(folder / "bag");
   WriteTopicByTopic(folder / "bag/bag_0.mcap", {Times(0, 100, 2)});
   WriteTopicByTopic(folder / "bag/bag_1.mcap", {Times(100, 200, 2), Times(1, 200, 2)});
+  std::ofstream(folder / "bag/._bag_0.mcap") << "Mac OS X";
   const std::string bag = folder / "bag";
   for (const std::string& name : {bag, bag + "/bag_1.mcap," + bag + "/bag_0.mcap"}) {
     McapReader reader(McapParts(name));

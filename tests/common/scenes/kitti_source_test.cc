@@ -134,7 +134,8 @@ TEST(KittiDataset, GivesAllFramesInTheOrderOfTheirNames) {
   folder.WriteStereo("000014");
   folder.WriteStereo("000007");
   folder.WriteScan("000014", {{5, 0, 0, 0}});
-  folder.files().WriteImage("image_2/000007_11.png", SomePicture({40, 30}));  // no frame
+  folder.files().WriteImage("image_2/000007_11.png", SomePicture({40, 30}));    // no frame
+  folder.files().WriteImage("image_2/._000007_10.png", SomePicture({40, 30}));  // nor is this
   for (const std::string rest : {"", "/", "?beams=64"}) {
     const auto source = folder.Open(rest);
     EXPECT_EQ(source->frame_count(), 2);

@@ -163,6 +163,7 @@ TEST_F(FilesInput, OfNumbersComeInTheirOrder) {
   for (const char* number : {"0", "2", "10"}) {
     Write("l/" + std::string(number) + ".png", scene.left);
     Write("r/" + std::string(number) + ".png", scene.right);
+    std::ofstream(Path("l/._" + std::string(number) + ".png")) << "Mac OS X";
   }
   options_.left = Path("l");
   options_.right = Path("r");
