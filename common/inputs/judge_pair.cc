@@ -39,6 +39,9 @@ struct PairRules {
   static constexpr double kFewLevels = 15;
   /// Grey levels, standard deviation: less than the noise of a camera that sees something.
   static constexpr double kBlank = 1.5;
+  /// Share of the pixels; at most 0.33 were seen, the sky of a street (KITTI).
+  static constexpr double kMaxClipped = 0.45;
+  static constexpr double kWhite = 253;  ///< brighter ones are clipped; JPEG changes 255 a little
   /// Right over left or left over right: 0.83 (ETH3D's playground) to 1.01 in good pairs. At 0.8
   /// preset `fast` loses most of its pixels, from 0.7 on `default` much confidence (NOTES.md).
   static constexpr double kMaxContrast = 1.23;
@@ -224,6 +227,11 @@ double ContrastOf(const cv::Mat1b& image) {
   return sigma[0];
 }
 
+double ShareClipped(const cv::Mat1b& image) {
+  const cv::Mat1b rows = SomeRows(image);
+  return cv::countNonZero(rows > PairRules::kWhite) / static_cast<double>(rows.total());
+}
+
 Finding JudgeBits(const cv::Mat1b& left, const cv::Mat1b& right) {
   Finding finding{.question = Question::kBits, .sigma = 0};
   double of_left = 0;
@@ -233,6 +241,7 @@ Finding JudgeBits(const cv::Mat1b& left, const cv::Mat1b& right) {
   finding.value = 100 * std::min(of_left, of_right) / 255;
   const double left_contrast = ContrastOf(left);
   const double right_contrast = ContrastOf(right);
+  const double clipped = std::max(ShareClipped(left), ShareClipped(right));
   if (finding.value * 2.55 > PairRules::kFewLevels &&
       std::min(left_contrast, right_contrast) < PairRules::kBlank) {
     finding.verdict = Verdict::kBad;
@@ -247,6 +256,10 @@ Finding JudgeBits(const cv::Mat1b& left, const cv::Mat1b& right) {
         "have "
         "to be scaled, dark ones to be exposed longer",
         of_left, of_right);
+  } else if (clipped > PairRules::kMaxClipped) {
+    finding.verdict = Verdict::kBad;
+    finding.text =
+        fmt::format("{:.0f} % of the pixels are white: expose both images shorter", 100 * clipped);
   } else {
     finding.verdict = Verdict::kGood;
     finding.text =

@@ -1,11 +1,14 @@
 // Features and errors of sampled pixels of the whole chain, for scripts/tune_confidence:
-// sprout_confidence_samples ROW TOF NOISE_PX SCENE... prints a line for each: row, scene, error in
-// px, whether both cameras see it, then the features in the order of ConfidenceModel.
+// sprout_confidence_samples ROW TOF NOISE_PX IMAGES SCENE... prints a line for each: row, scene,
+// error in px, whether both cameras see it, then the features in the order of ConfidenceModel.
 #include <cmath>
 #include <iostream>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <random>
 #include <string>
 
+#include "common/core/image.h"
 #include "services/grow/confidence/confidence.h"
 #include "services/tools/evaluate/chain.h"
 #include "services/tools/evaluate/scene.h"
@@ -14,6 +17,28 @@ namespace sprout::evaluate {
 namespace {
 
 constexpr int kSamples = 3000;  // a scene
+
+// As poorer cameras give it.
+cv::Mat Worse(const cv::Mat& image, const std::string& how) {
+  cv::Mat worse;
+  if (how == "clipped") {
+    image.convertTo(worse, -1, 2);
+  } else if (how == "dark") {
+    image.convertTo(worse, -1, 0.125);
+  } else if (how == "blurred") {
+    cv::GaussianBlur(image, worse, {}, 2);
+  } else if (how == "jpeg") {
+    std::vector<uchar> bytes;
+    cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, 75});
+    worse = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+  } else {
+    if (how != "good") {
+      throw ConfigError(how + ": allowed are good, clipped, dark, blurred and jpeg images");
+    }
+    worse = image;
+  }
+  return worse;
+}
 
 void PrintScene(const std::string& row, const Scene& scene, const ChainSettings& settings) {
   Frame frame = FrameOf(scene);
@@ -52,8 +77,8 @@ void PrintScene(const std::string& row, const Scene& scene, const ChainSettings&
 }
 
 int Main(int argc, char** argv) {
-  if (argc < 5) {
-    std::cerr << "usage: sprout_confidence_samples ROW TOF NOISE_PX SCENE...\n";
+  if (argc < 6) {
+    std::cerr << "usage: sprout_confidence_samples ROW TOF NOISE_PX IMAGES SCENE...\n";
     return 2;
   }
   ChainSettings settings{.config = LoadConfig({"default"}), .noise = {}, .fgs = {}};
@@ -61,9 +86,14 @@ int Main(int argc, char** argv) {
   settings.config.mutable_grow()->set_publish_unfilled(true);
   settings.noise.disparity_px = settings.noise.jitter_px = std::stod(argv[3]);
   cv::setNumThreads(1);
-  for (int i = 4; i < argc; ++i) {
+  for (int i = 5; i < argc; ++i) {
     for (const std::string& name : ScenesOf(argv[i])) {
-      PrintScene(argv[1], LoadScene(name, TofChoice(argv[2]), settings.config.capture()), settings);
+      Scene scene = LoadScene(name, TofChoice(argv[2]), settings.config.capture());
+      scene.frame.left = Worse(scene.frame.left, argv[4]);
+      scene.frame.right = Worse(scene.frame.right, argv[4]);
+      scene.left_grey = ToGrey(scene.frame.left);
+      scene.right_grey = ToGrey(scene.frame.right);
+      PrintScene(argv[1], scene, settings);
     }
   }
   return 0;

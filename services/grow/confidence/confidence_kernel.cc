@@ -150,11 +150,11 @@ class CellMatcher {
         warped_(static_cast<size_t>(cells_.width)),
         words_(static_cast<size_t>(cells_.width)) {
     const auto size = static_cast<size_t>(cells_.width + 2 * kRadius);
-    for (auto* rows : {&differences_, &energies_, &margins_, &gaps_}) {
+    for (auto* rows : {&differences_, &textures_, &margins_, &gaps_}) {
       for (Ints& row : *rows) row.resize(size);
     }
     difference_.resize(size);
-    energy_.resize(size);
+    texture_.resize(size);
     margin_.resize(size);
     gap_.resize(size);
   }
@@ -168,17 +168,17 @@ class CellMatcher {
                 uint8_t* HWY_RESTRICT gaps) {
     Match(y + kRadius);
     AddRows(differences_, y, 1, difference_);
-    AddRows(energies_, y, 1, energy_);
+    AddRows(textures_, y, 1, texture_);
     AddRows(margins_, y, kRadius, margin_);
     AddRows(gaps_, y, kRadius, gap_);
     const int32_t* HWY_RESTRICT difference = difference_.data() + kRadius;
-    const int32_t* HWY_RESTRICT energy = energy_.data() + kRadius;
+    const int32_t* HWY_RESTRICT texture = texture_.data() + kRadius;
     const int32_t* HWY_RESTRICT margin = margin_.data() + kRadius;
     const int32_t* HWY_RESTRICT gap = gap_.data() + kRadius;
     for (int x = 0; x < cells_.width; ++x) {
       const int off = difference[x - 1] + difference[x] + difference[x + 1];
-      const int all = energy[x - 1] + energy[x] + energy[x + 1];
-      misfits[x] = ToByte(255 + LevelOf(off + 1) - LevelOf(all + 1));
+      const int all = texture[x - 1] + texture[x] + texture[x + 1];
+      misfits[x] = ToByte(kEqual + LevelOf(off + kNoise) - LevelOf(all + kNoise));
       margins[x] =
           ToByte(128 - margin[x - 2] - margin[x - 1] - margin[x] - margin[x + 1] - margin[x + 2]);
       gaps[x] = static_cast<uint8_t>(kGapUnit *
@@ -189,6 +189,8 @@ class CellMatcher {
  private:
   static constexpr int kRadius = 2;        // of the windows of margin and gaps
   static constexpr int kGapUnit = 10;      // 255 / number of cells in the window, rounded down
+  static constexpr int kNoise = 9;         // (L − R)² of 9 cells, of a camera's least noise
+  static constexpr int kEqual = 208;       // level of a misfit of 1
   static constexpr int kReach = 1024 + 8;  // as far as a disparity leads, and a census word
   using Rows = std::array<Ints, 2 * kRadius + 1>;
 
@@ -202,7 +204,7 @@ class CellMatcher {
     Warp(map_.counts()[v]);
     const auto place = static_cast<size_t>((y + kRadius) % (2 * kRadius + 1));
     int32_t* HWY_RESTRICT difference = differences_[place].data() + kRadius;
-    int32_t* HWY_RESTRICT energy = energies_[place].data() + kRadius;
+    int32_t* HWY_RESTRICT texture = textures_[place].data() + kRadius;
     int32_t* HWY_RESTRICT margin = margins_[place].data() + kRadius;
     int32_t* HWY_RESTRICT gap = gaps_[place].data() + kRadius;
     const int16_t* HWY_RESTRICT grown = grown_.counts()[v];
@@ -214,9 +216,14 @@ class CellMatcher {
       const int l = left[2 * x];
       const int r = warped[x];
       difference[x] = (l - r) * (l - r);
-      energy[x] = l * l + r * r;
       gap[x] = grown[2 * x] == DisparityImage::kInvalid ? 1 : 0;
     }
+    for (int x = 1; x < cells_.width - 1; ++x) {
+      const int slope = left[2 * x + 1] - left[2 * x - 1];
+      texture[x] = slope * slope;
+    }
+    texture[0] = texture[1];
+    texture[cells_.width - 1] = texture[cells_.width - 2];
     for (int x = 0; x < cells_.width; ++x) {
       // Numbers of bits of three bytes at once.
       uint32_t bits = words[x] ^ (census[2 * x] * 0x010101U);
@@ -228,7 +235,7 @@ class CellMatcher {
       const auto behind = static_cast<int32_t>(bits >> 16 & 15);
       margin[x] = std::min(before, behind) - here;
     }
-    for (int32_t* row : {difference, energy, margin, gap}) {
+    for (int32_t* row : {difference, texture, margin, gap}) {
       for (int i = 1; i <= kRadius; ++i) {
         row[-i] = row[0];
         row[cells_.width - 1 + i] = row[cells_.width - 1];
@@ -276,8 +283,8 @@ class CellMatcher {
   Bytes left_census_, right_row_, right_census_;  // rows; right ones with zeros on either side
   Bytes warped_;                                  // of a row of cells
   std::vector<uint32_t> words_;
-  Rows differences_, energies_, margins_, gaps_;
-  Ints difference_, energy_, margin_, gap_;  // their sums over rows
+  Rows differences_, textures_, margins_, gaps_;
+  Ints difference_, texture_, margin_, gap_;  // their sums over rows
 };
 
 // |d(x − 2) + d(x + 2) − 2·d(x)|, and the same over the rows.

@@ -28,7 +28,7 @@ inline cv::Size BlocksOf(cv::Size pixels) {
 struct ConfidenceFeatures {
   cv::Mat1b step;      ///< cells: range of the disparities in 3×3 pixels, as LevelOf()
   cv::Mat1b bend;      ///< cells: second differences of the disparities, as LevelOf()
-  cv::Mat1b misfit;    ///< cells: Σ(L − R)² / Σ(L² + R²), 255 = 1, 16 a factor of 2
+  cv::Mat1b misfit;    ///< cells: (9 + Σ(L − R)²) / (9 + Σ L_x²), 208 = 1, 16 a factor of 2
   cv::Mat1b margin;    ///< cells: 128 − Σ margin of the census costs
   cv::Mat1b gaps;      ///< cells: 10 times the number of gaps in 5×5 cells
   cv::Mat1b edge;      ///< cells: nearness of a step above 1 px

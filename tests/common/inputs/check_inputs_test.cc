@@ -351,6 +351,16 @@ TEST(CheckInputs, TakesRangesForGoodOfWhichSomeAreInOnePictureOnly) {
   EXPECT_EQ(parts.Answer(Question::kHits).verdict, Verdict::kGood);
 }
 
+TEST(CheckInputs, SaysThatImagesAreWhite) {
+  Parts parts = SceneOf();
+  EXPECT_EQ(parts.Answer(Question::kBits).verdict, Verdict::kGood);
+  cv::Mat1b brighter = parts.left * 4;
+  parts.left = brighter;
+  const Finding finding = parts.Answer(Question::kBits);
+  EXPECT_EQ(finding.verdict, Verdict::kBad);
+  EXPECT_THAT(finding.text, HasSubstr("% of the pixels are white"));
+}
+
 TEST(CheckInputs, SaysThatImagesUseFewBits) {
   Parts parts = SceneOf();
   parts.left /= 64;
