@@ -31,6 +31,30 @@ std::vector<double> Sizes(std::vector<double> values) {
   return values;
 }
 
+// Along the ray, once the offset is applied.
+double RangeOf(const TofPatch& patch, double offset_m) {
+  return patch.distance_m / patch.per_range + offset_m;
+}
+
+// Matches with the curve added to what the ToF camera measured.
+std::vector<SceneMatch> Corrected(std::vector<SceneMatch> matches, const RangeCorrection& curve,
+                                  double offset_m) {
+  if (curve.empty()) return matches;
+  for (SceneMatch& match : matches) {
+    if (!match.tof) continue;
+    match.tof->distance_m +=
+        match.tof->per_range * CorrectionAt(curve, RangeOf(*match.tof, offset_m)).offset_m;
+  }
+  return matches;
+}
+
+// Whether the ToF camera's turn is that of the pass before, to a third of its standard deviation.
+bool TofStandsStill(const RigNumbers& before, const AdjustedScene& now) {
+  return std::ranges::all_of(std::array{kTofPitch, kTofYaw, kTofRoll}, [&](RigNumber number) {
+    return 3 * std::abs(now.change[number] - before[number]) <= now.sigma[number];
+  });
+}
+
 }  // namespace
 
 SceneEffort QuickEffort(const RectifiedPair& pair) {
@@ -153,6 +177,34 @@ std::optional<EdgeShift> SceneRefiner::FindEdges(const RigNumbers& change) {
                    .rectified_from_left = BackOf(to.left_turn).transpose()};
 }
 
+Result<void> SceneRefiner::Adjust(const SceneWishes& wishes, SceneRefinement& result) {
+  // The ToF camera's pose decides which points are compared, so this is done twice. A turn of it
+  // looks much like an error of its ranges, and is halved from pass to pass when it is one.
+  constexpr int kMostPasses = 8;
+  const auto is_tof = [](const SceneMatch& match) { return match.tof.has_value(); };
+  bool stands_still = false;
+  for (int pass = 0; pass < 2 || (pass < kMostPasses && !stands_still); ++pass) {
+    const RigNumbers change = result.adjusted.change;
+    AttachPatches(Changed(rig_, change));
+    if (pass == 0) result.before = FitOf(ResidualsOf(rig_, matches_, Depths(matches_), {}));
+    result.tof_matches = static_cast<int>(std::ranges::count_if(matches_, is_tof));
+    const std::optional<EdgeShift> edges = FindEdges(change);
+    const bool sees_tof = result.tof_matches >= kFewestTofMatches;
+    for (const RigNumber number : {kTofPitch, kTofYaw, kTofRoll, kRangeOffset}) {
+      result.wanted[number] = sees_tof;
+    }
+    result.wanted[kYaw] = sees_tof || wishes.yaw;
+    Result<AdjustedScene> adjusted =
+        AdjustScene(rig_, Corrected(matches_, result.curve, change[kRangeOffset]), edges,
+                    result.wanted, pass > 0);
+    if (!adjusted) return tl::unexpected(adjusted.error());
+    stands_still = result.curve.empty() || TofStandsStill(change, *adjusted);
+    result.adjusted = std::move(*adjusted);
+    result.curve = FindCurve(result.adjusted);
+  }
+  return {};
+}
+
 Result<SceneRefinement> SceneRefiner::Refine(const SceneWishes& wishes) {
   if (const Result<void> enough = CheckScene(views_, matches_, left_px_, images_.pair); !enough) {
     return tl::unexpected(enough.error());
@@ -163,37 +215,19 @@ Result<SceneRefinement> SceneRefiner::Refine(const SceneWishes& wishes) {
   result.wanted[kPlaceY] = result.wanted[kPlaceZ] = wishes.place;
   result.wanted[kFocal] = result.wanted[kFocalRight] = wishes.focal;
   result.wanted[kRowRight] = wishes.row;
-  const auto is_tof = [](const SceneMatch& match) { return match.tof.has_value(); };
-
-  // The ToF camera's pose decides which points are compared, so this is done twice.
-  RigNumbers change{};
-  for (int pass = 0; pass < 2; ++pass) {
-    AttachPatches(Changed(rig_, change));
-    if (pass == 0) result.before = FitOf(ResidualsOf(rig_, matches_, Depths(matches_), {}));
-    result.tof_matches = static_cast<int>(std::ranges::count_if(matches_, is_tof));
-    const std::optional<EdgeShift> edges = FindEdges(change);
-    const bool sees_tof = result.tof_matches >= kFewestTofMatches;
-    for (const RigNumber number : {kTofPitch, kTofYaw, kTofRoll, kRangeOffset}) {
-      result.wanted[number] = sees_tof;
-    }
-    result.wanted[kYaw] = sees_tof || wishes.yaw;
-    Result<AdjustedScene> adjusted = AdjustScene(rig_, matches_, edges, result.wanted, pass == 1);
-    if (!adjusted) return tl::unexpected(adjusted.error());
-    result.adjusted = std::move(*adjusted);
-    change = result.adjusted.change;
+  if (const Result<void> done = Adjust(wishes, result); !done) {
+    return tl::unexpected(done.error());
   }
+  const RigNumbers& change = result.adjusted.change;
   const std::vector<MatchResidual> before = ResidualsOf(rig_, matches_, Depths(matches_), {});
-  std::vector<MatchResidual> after =
+  matches_ = Corrected(std::move(matches_), result.curve, change[kRangeOffset]);
+  const std::vector<MatchResidual> after =
       ResidualsOf(rig_, matches_, result.adjusted.inverse_depths, change);
   if (const Result<void> agree = CheckAgreement(matches_, after, views_.size()); !agree) {
     return tl::unexpected(agree.error());
   }
   result.rig = Changed(rig_, change);
-  result.curve = TakeOutCurve(after, result.adjusted);
-  if (!result.curve.empty()) {
-    result.rig.range_correction = Chained(rig_.range_correction, result.curve);
-    after = ResidualsOf(rig_, matches_, result.adjusted.inverse_depths, change);
-  }
+  result.rig.range_correction = Chained(rig_.range_correction, result.curve);
   if (const Result<void> usable = CheckRawRig(result.rig); !usable) {
     return Fail("the refined calibration cannot be used: " + usable.error().text);
   }
@@ -210,30 +244,21 @@ Result<SceneRefinement> SceneRefiner::Refine(const SceneWishes& wishes) {
   return result;
 }
 
-RangeCorrection SceneRefiner::TakeOutCurve(const std::vector<MatchResidual>& residuals,
-                                           const AdjustedScene& adjusted) {
-  const double offset_m = adjusted.change[kRangeOffset];
-  const auto range_m = [&](const TofPatch& patch) {
-    return patch.distance_m / patch.per_range + offset_m;
-  };
+RangeCorrection SceneRefiner::FindCurve(const AdjustedScene& adjusted) const {
+  const std::vector<MatchResidual> residuals =
+      ResidualsOf(rig_, matches_, adjusted.inverse_depths, adjusted.change);
   std::vector<RangeSample> samples;
   for (size_t i = 0; i < matches_.size(); ++i) {
     if (!residuals[i].tof_m || !(std::abs(*residuals[i].tof_px) > 0)) continue;
     const TofPatch& patch = *matches_[i].tof;
     const double m_per_px = std::abs(*residuals[i].tof_m / *residuals[i].tof_px);
     samples.push_back(
-        {.range_m = range_m(patch),
+        {.range_m = RangeOf(patch, adjusted.change[kRangeOffset]),
          .error_m = *residuals[i].tof_m / patch.per_range,
          .sigma_m = std::hypot(patch.sigma_m, adjusted.match_sigma_px * m_per_px) / patch.per_range,
          .shared_m = kSharedPx * m_per_px / patch.per_range});
   }
-  const RangeCorrection curve = FitRangeCurve(std::move(samples));
-  for (SceneMatch& match : matches_) {
-    if (!match.tof || curve.empty()) continue;
-    match.tof->distance_m +=
-        match.tof->per_range * CorrectionAt(curve, range_m(*match.tof)).offset_m;
-  }
-  return curve;
+  return FitRangeCurve(std::move(samples));
 }
 
 SceneFit SceneRefiner::FitOf(const std::vector<MatchResidual>& residuals) const {

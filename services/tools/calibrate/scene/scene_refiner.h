@@ -123,10 +123,10 @@ class SceneRefiner {
   void ThinOut();
   void AttachPatches(const RawRig& rig);
   std::optional<EdgeShift> FindEdges(const RigNumbers& change);
-  // What is still wrong with the ranges once the change is applied; the patches are corrected by
-  // it.
-  RangeCorrection TakeOutCurve(const std::vector<MatchResidual>& residuals,
-                               const AdjustedScene& adjusted);
+  // Fills in what changes: `wanted`, `adjusted`, `curve`, `before` and `tof_matches`.
+  Result<void> Adjust(const SceneWishes& wishes, SceneRefinement& result);
+  // What is still wrong with the ranges once the change is applied.
+  RangeCorrection FindCurve(const AdjustedScene& adjusted) const;
   SceneFit FitOf(const std::vector<MatchResidual>& residuals) const;
 
   RawRig rig_;
