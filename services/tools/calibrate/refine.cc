@@ -240,8 +240,11 @@ int RunCheck(const RefineOptions& options) {
   std::vector<std::string> reasons =
       refined ? ReasonsToCalibrate(*refined, findings, pair) : BadOf(findings);
   const bool is_wrong = !reasons.empty();
-  // Images that are blank, or not of one scene, say nothing of a calibration.
-  const bool are_useless = AnyIsBad(findings, {inputs::Question::kBits, inputs::Question::kScene});
+  // What no calibration puts right: images that are blank, or not of one scene or moment, and so
+  // on.
+  using enum inputs::Question;
+  const bool are_useless =
+      AnyIsBad(findings, {kScene, kTime, kSides, kBits, kContrast, kHits, kMoment});
   const bool cannot_tell = !is_wrong && !(refined && refined->is_good());
   if (!refined) {
     reasons.push_back(refined.error().text);

@@ -12,6 +12,7 @@
 #include "tests/common/app/run_main.h"
 #include "tests/common/logfile/sample_log.h"
 #include "tests/services/tools/calibrate/board_scene.h"
+#include "tests/services/tools/calibrate/knocked_scene.h"
 
 namespace sprout::calibrate {
 namespace {
@@ -150,6 +151,24 @@ TEST_F(CalibrateCheck, CannotTellFromABlankImage) {
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.out, HasSubstr("1 frames: cannot tell: the images are wrong\n"));
   EXPECT_THAT(outcome.out, HasSubstr("the right image is blank"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("to put it right")));
+}
+
+// Nor are two exposures: refine would change nothing.
+TEST_F(CalibrateCheck, CannotTellFromTwoContrasts) {
+  const RawRig rig = SceneRig({640, 480});
+  RigDescription description;
+  *description.mutable_calibration() = ToCalibration(rig);
+  ASSERT_TRUE(SaveRigFile(folder_ / "rig.textproto", description));
+  RigImages images = RenderScene(rig, 3, 0, false);
+  images.right = 0.5 * images.right + 10;
+  WriteImages(folder_ / ".", "0", images);
+  const MainOutcome outcome = RunCalibrate("check " + (folder_ / ".").string() + " --rig " +
+                                           (folder_ / "rig.textproto").string());
+
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("1 frames: cannot tell: the images are wrong\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("times the contrast in the right one"));
   EXPECT_THAT(outcome.out, Not(HasSubstr("to put it right")));
 }
 
