@@ -11,12 +11,12 @@ namespace {
 
 constexpr size_t kFewestAtKnot = 40;
 constexpr size_t kMaxKnots = 24;
-constexpr double kMinStep = 0.05;       // between knots, a share of the range
-constexpr double kFarStep = 0.25;       // a straight line tells nothing between knots as far apart
-constexpr double kExpectedM = 0.02;     // τ: data sheets allow 1 to 2 cm
-constexpr double kCurveLossSigmas = 2;  // as AdjustScene()'s
-constexpr double kCurveSharing = 4;     // matches that share an error, as there
-constexpr double kSureSigmas = 4;       // standard deviations
+constexpr double kMinStep = 0.05;  // between knots, a share of the range
+constexpr double kFarStep = 0.25;  // a straight line tells nothing between knots as far apart
+constexpr double kExpectedM = kExpectedRangeErrorM;  // τ
+constexpr double kCurveLossSigmas = 2;               // as AdjustScene()'s
+constexpr double kCurveSharing = 4;                  // matches that share an error, as there
+constexpr double kSureSigmas = 4;                    // standard deviations
 constexpr double kMinCorrectionM = 0.002;
 constexpr int kCurveRounds = 10;
 

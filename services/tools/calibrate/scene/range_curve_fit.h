@@ -15,6 +15,9 @@ struct RangeSample {
   double shared_m = 0;  ///< that of an error that all samples at this range share
 };
 
+/// What a range sensor may be off by at a range, m: data sheets allow 1 to 2 cm.
+inline constexpr double kExpectedRangeErrorM = 0.02;
+
 /// Whether a correction is worth making: more than four standard deviations and 2 mm from 0.
 bool IsSignificantCorrection(double offset_m, double sigma_m);
 

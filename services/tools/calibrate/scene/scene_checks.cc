@@ -171,6 +171,15 @@ std::vector<std::string> ReasonsAgainst(const SceneRefinement& refinement) {
         "{} changed by {:+.{}f} {}, which is no knock any more: calibrate with the board", row.name,
         row.per_unit * change, row.digits, row.unit));
   }
+  const auto most = std::ranges::max_element(
+      refinement.curve, {}, [](const CorrectionKnot& knot) { return std::abs(knot.offset_m); });
+  if (most != refinement.curve.end() &&
+      std::abs(most->offset_m) > kMaxExpected * kExpectedRangeErrorM) {
+    reasons.push_back(fmt::format(
+        "ToF ranges at {:.2f} m changed by {:+.1f} mm, which is no error of a sensor any more: is "
+        "the range image of the same moment, and does nothing move?",
+        most->range_m, 1000 * most->offset_m));
+  }
   return reasons;
 }
 

@@ -48,9 +48,10 @@ Table NumberTable(const SceneRefinement& refinement) {
   for (size_t i = 0; i < kRigNumbers; ++i) {
     const RigNumberRow& row = RowOf(static_cast<RigNumber>(i));
     const AdjustedScene& adjusted = refinement.adjusted;
-    if (!refinement.wanted[i]) {
+    const bool has_tof = refinement.rig.tof.width > 0 && i >= kTofPitch;
+    if (!refinement.wanted[i] && !has_tof) {
       rows.push_back({row.name, "", "", "kept"});
-    } else if (!adjusted.seen[i]) {
+    } else if (!refinement.wanted[i] || !adjusted.seen[i]) {
       rows.push_back({row.name, "", "", "stays: the scene does not show it"});
     } else if (adjusted.change[i] == 0) {
       rows.push_back({row.name, "", Deviation(row, adjusted.sigma[i]), "stays: no change is sure"});
@@ -75,7 +76,7 @@ Table CurveTable(const SceneRefinement& refinement) {
 
 std::string CountsText(const SceneRefinement& refinement) {
   std::string text = fmt::format("{} frames, {} matches", refinement.views, refinement.matches);
-  if (refinement.tof_matches > 0) {
+  if (refinement.rig.tof.width > 0) {
     text += fmt::format(", {} of them on surfaces of the ToF camera; depth edges in {} frames",
                         refinement.tof_matches, refinement.edge_views);
   }

@@ -17,6 +17,7 @@
 namespace sprout::calibrate {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -194,6 +195,25 @@ TEST(SceneRefiner, TakesRangesThatAreOffForNoTurn) {
   for (const RigNumber number : {kTofPitch, kTofYaw, kTofRoll}) {
     EXPECT_EQ(refined->adjusted.change[number], 0) << RowOf(number).name;
   }
+}
+
+// Range images of another moment, and what moves: 35 cm at 3.6 m were called good.
+TEST(SceneRefiner, BelievesNoCurveThatNoSensorHas) {
+  SceneRefinement refinement;
+  refinement.curve = {{1, 0.02, 0.001}, {3.6, -0.354, 0.013}, {7, 0.01, 0.003}};
+  EXPECT_THAT(ReasonsAgainst(refinement),
+              ElementsAre(HasSubstr("ToF ranges at 3.60 m changed by -354.0 mm")));
+  refinement.curve[1].offset_m = -0.07;
+  EXPECT_TRUE(ReasonsAgainst(refinement).empty());
+}
+
+TEST(SceneRefiner, SaysThatAToFCameraIsNotSeen) {
+  SceneRefinement refinement;
+  refinement.rig.tof.width = 176;  // its ranges are noise, say
+  const std::string text = SceneSummaryText(refinement);
+  EXPECT_THAT(text, HasSubstr("0 of them on surfaces of the ToF camera"));
+  EXPECT_THAT(text, ContainsRegex("ToF ranges +stays: the scene does not show it"));
+  EXPECT_THAT(text, ContainsRegex("right camera, yaw +kept"));
 }
 
 TEST(SceneRefiner, FindsThePairWithoutAToFCamera) {
