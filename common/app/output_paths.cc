@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "common/config/config_error.h"
+#include "common/core/input_files.h"
 
 namespace sprout {
 namespace {
@@ -20,6 +21,9 @@ void RequireWritableFile(const std::string& flag, const fs::path& path,
                          OutputFile::OverInput over_input) {
   const OutputFile probe(path, over_input);
   if (!probe.failure().empty()) throw NotWritable(flag, path, probe.failure());
+  const std::string first = NoteOutputFile(flag, path);
+  if (first.empty() || first == flag) return;
+  throw NotWritable(flag, path, first + " writes it; allowed: another file");
 }
 
 void RequireWritableFolder(const std::string& flag, const fs::path& folder,

@@ -12,7 +12,8 @@ namespace sprout {
 
 // Checked before a long run, so that writing its results does not fail.
 
-/// Checks that a file can be written; leaves nothing behind and an older file as it is.
+/// Checks that a file can be written, and that no other flag of this run asked to write it; leaves
+/// nothing behind and an older file as it is.
 /// @throws ConfigError naming flag, path and the system's reason.
 void RequireWritableFile(const std::string& flag, const std::filesystem::path& path,
                          OutputFile::OverInput over_input = OutputFile::OverInput::kRefused);

@@ -2,6 +2,7 @@
 #define SPROUT_COMMON_CORE_INPUT_FILES_H_
 
 #include <filesystem>
+#include <string>
 
 namespace sprout {
 
@@ -10,7 +11,7 @@ namespace sprout {
 // readers and writers know nothing of each other. Paths are compared without links and "..".
 // Thread-safe.
 
-/// While it lives inputs are noted, and then forgotten. Every program of ours has one (RunProgram).
+/// While it lives files are noted, and then forgotten. Every program of ours has one (RunProgram).
 /// In other people's programs nothing is noted: they may replace what they have read.
 class InputFileGuard {
  public:
@@ -23,7 +24,12 @@ class InputFileGuard {
 /// Notes a file that is read, or will be. What is no regular file is not noted.
 void NoteInputFile(const std::filesystem::path& path);
 
-/// Whether a file was noted.
+/// Notes a file that a flag asks to write.
+/// @returns the first flag that asked for it; empty: the file takes what several write, or none is
+///          noted.
+std::string NoteOutputFile(const std::string& flag, const std::filesystem::path& path);
+
+/// Whether a file was noted as read.
 bool IsInputFile(const std::filesystem::path& path);
 
 }  // namespace sprout

@@ -330,6 +330,17 @@ TEST_F(QualityProgram, ReplacesNothingThatItReads) {
   EXPECT_EQ(RunQuality({folder, "--report", folder + "/report.html"}).exit_code, 0);  // again
 }
 
+TEST_F(QualityProgram, WritesNoTwoResultsToOneFile) {
+  const std::string log = WriteLog("run.lcm", Maps(1));
+  for (const std::string& same : {File("q.json"), File("./q.json")}) {
+    const MainOutcome outcome = RunQuality({log, "--json", File("q.json"), "--report", same});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("--report " + same + ": cannot be written (--json writes"));
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "q.json"));
+  }
+  EXPECT_EQ(RunQuality({log, "--json", "/dev/null", "--report", "/dev/null"}).exit_code, 0);
+}
+
 TEST_F(QualityProgram, SaysThatNoEdgeCrossesTheEdge) {
   const MainOutcome outcome = RunQuality({WriteLog("run.lcm", Maps(1)), "--edge", "20,20,60,60"});
   EXPECT_THAT(outcome.out, HasSubstr("no edge width: no step of 1 px or more in --edge\n"));
