@@ -203,10 +203,9 @@ std::runtime_error NoCalibration(const std::string& why, const ViewCollector& co
 int RunEstimate(const Options& options) {
   RequireBits(options.bits);
   const Board board = BoardOf(options.board);
+  RequireResultFiles(options.inputs, options.rig, options.out, options.report);
   RigDescription rig;
   if (!options.rig.empty()) rig = LoadRigFile(options.rig);
-  RequireWritableFile("--out", options.out, OutputFile::OverInput::kAllowed);
-  if (!options.report.empty()) RequireWritableFile("--report", options.report);
   const ViewCollector collector = Collect(board, options);
   const ViewCounts& counts = collector.counts();
   const size_t views = collector.views().size();

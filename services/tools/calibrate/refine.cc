@@ -206,8 +206,7 @@ int RunRefine(const RefineOptions& options) {
   const auto wished = [&](const char* name) {
     return std::ranges::find(options.also, name) != options.also.end();
   };
-  RequireWritableFile("--out", options.out, OutputFile::OverInput::kAllowed);
-  if (!options.report.empty()) RequireWritableFile("--report", options.report);
+  RequireResultFiles(options.inputs, options.rig, options.out, options.report);
   Reader reader(options, Reader::Purpose::kRefine);
   SceneRefiner& refiner = reader.Read();
   Progress progress(/*quiet=*/false);

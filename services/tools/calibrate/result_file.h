@@ -4,10 +4,25 @@
 #include <filesystem>
 #include <iostream>
 #include <stdexcept>
+#include <vector>
 
+#include "common/app/output_paths.h"
+#include "common/core/input_files.h"
 #include "common/rig/rig_file.h"
 
 namespace sprout::calibrate {
+
+/// Checks that results can be written: the rig file `out`, also in place of `rig`, which is read,
+/// but of no other input; and `report`, if there is one, in place of none.
+/// @throws ConfigError that names the flag.
+inline void RequireResultFiles(const std::vector<std::filesystem::path>& inputs,
+                               const std::filesystem::path& rig, const std::filesystem::path& out,
+                               const std::filesystem::path& report) {
+  for (const std::filesystem::path& input : inputs) NoteInputFile(input);
+  RequireWritableFile("--out", out);
+  NoteInputFile(rig);
+  if (!report.empty()) RequireWritableFile("--report", report);
+}
 
 /// Writes a rig file; a calibration that is not good does not take the place of one that may be: it
 /// goes to NAME.not_good.textproto beside, which is said.

@@ -76,6 +76,7 @@ void ScaleToMetres(const ImportOptions& options, Pose& pose) {
 }  // namespace
 
 int RunImport(const ImportOptions& options) {
+  RequireResultFiles(options.files, options.rig, options.out, /*report=*/{});
   ForeignRig foreign = ReadForeignRig(options.files);
   if (options.fisheye) foreign.left.is_fisheye = foreign.right.is_fisheye = true;
   FillSizes(options, foreign);

@@ -133,6 +133,21 @@ TEST_F(CalibrateRefine, NeedsARigFileForUnrectifiedImages) {
   EXPECT_THAT(outcome.err, HasSubstr("its images are not rectified: --rig is needed"));
 }
 
+// The recording was replaced by the rig file.
+TEST_F(CalibrateRefine, ReplacesNoRecording) {
+  const std::string log = WriteLog(images_, std::nullopt);
+  const auto bytes = std::filesystem::file_size(log);
+  const std::string rig = File("rig.textproto");
+  const MainOutcome over_log =
+      RunMain({"sprout-calibrate", "refine", log, "--rig", rig, "--out", log}, CalibrateMain);
+  EXPECT_EQ(over_log.exit_code, 2);
+  EXPECT_THAT(over_log.err, HasSubstr("--out " + log + ": cannot be written (it is an input"));
+  EXPECT_EQ(std::filesystem::file_size(log), bytes);
+  const MainOutcome over_rig = Refine({log, "--rig", rig, "--report", rig});
+  EXPECT_EQ(over_rig.exit_code, 2);  // before the work
+  EXPECT_THAT(over_rig.err, HasSubstr("--report " + rig + ": cannot be written (it is an input"));
+}
+
 TEST_F(CalibrateRefine, SaysWhyASceneIsRefused) {
   images_.right = cv::Mat1b::zeros(images_.right.size());
   const MainOutcome outcome = Refine({WriteLog(images_, {}), "--rig", File("rig.textproto")});
