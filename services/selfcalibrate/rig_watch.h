@@ -26,7 +26,8 @@ class RigWatch {
   /// @returns what this frame and those before it show, when they are enough; where no calibration
   ///          can be told, the reason also has what CheckInputs() finds bad of the pairs (rows far
   ///          apart, sides swapped ...); an error when its sizes do not fit its calibration. At 2
-  ///          MP 0.2 s, and 0.5 s more with a result, or 1 s when the calibration is wrong.
+  ///          MP 0.2 s, and 0.5 s more with a result, or 1 s when the calibration is wrong, or 2 s
+  ///          when the ranges are.
   Result<std::optional<RigChange>> Add(const Frame& frame);
 
   /// Begins again with the next frame.
