@@ -2,8 +2,6 @@
 
 #include <zstd.h>
 
-#include <utility>
-
 #include "common/core/frame.h"
 #include "common/messages/codec.h"
 #include "common/messages/jpeg.h"

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <climits>
-#include <cmath>
 #include <string_view>
 #include <utility>
 

@@ -1,7 +1,6 @@
 #ifndef SPROUT_SERVICES_VIEW_PACKET_H_
 #define SPROUT_SERVICES_VIEW_PACKET_H_
 
-#include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>

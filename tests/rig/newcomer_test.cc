@@ -25,7 +25,6 @@ namespace sprout {
 namespace {
 
 using std::chrono::seconds;
-using testing::HasSubstr;
 
 constexpr double kUnitMm = 0.25;  // of the ToF camera's numbers
 

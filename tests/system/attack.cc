@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <condition_variable>
-#include <iostream>
 #include <map>
 #include <memory>
 #include <mutex>

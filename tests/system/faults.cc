@@ -24,7 +24,6 @@ namespace {
 
 using Clock = GraphRecord::Clock;
 using std::chrono::milliseconds;
-using std::chrono::seconds;
 
 constexpr milliseconds kStopTime{2000};
 constexpr milliseconds kRestartDelay{100};    // a supervisor's

@@ -13,7 +13,6 @@ namespace sprout {
 namespace {
 
 using testing::HasSubstr;
-using testing::Not;
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 

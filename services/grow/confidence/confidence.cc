@@ -1,7 +1,5 @@
 #include "services/grow/confidence/confidence.h"
 
-#include <algorithm>
-
 #include "common/core/parallel.h"
 #include "services/grow/paper/growth_rule.h"
 

@@ -1,7 +1,6 @@
 #ifndef SPROUT_SERVICES_GROW_SWEEP_SEGMENTS_H_
 #define SPROUT_SERVICES_GROW_SWEEP_SEGMENTS_H_
 
-#include <cstdint>
 #include <span>
 #include <vector>
 

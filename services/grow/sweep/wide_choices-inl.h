@@ -10,8 +10,6 @@
 
 #include <hwy/highway.h>
 
-#include <algorithm>
-
 #include "services/grow/sweep/window_runs-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -1,7 +1,6 @@
 #ifndef SPROUT_SERVICES_PRIOR_EDGES_PLANE_KERNEL_H_
 #define SPROUT_SERVICES_PRIOR_EDGES_PLANE_KERNEL_H_
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <span>

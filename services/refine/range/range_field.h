@@ -1,8 +1,6 @@
 #ifndef SPROUT_SERVICES_REFINE_RANGE_RANGE_FIELD_H_
 #define SPROUT_SERVICES_REFINE_RANGE_RANGE_FIELD_H_
 
-#include <array>
-#include <optional>
 #include <span>
 #include <vector>
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <optional>
 
 #include "common/core/parallel.h"
 #include "common/core/quantile.h"

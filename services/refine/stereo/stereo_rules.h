@@ -2,7 +2,6 @@
 #define SPROUT_SERVICES_REFINE_STEREO_STEREO_RULES_H_
 
 #include <cstddef>
-#include <cstdint>
 
 namespace sprout::refine {
 

@@ -1,7 +1,6 @@
 #ifndef SPROUT_SERVICES_REFINE_SURFACE_BACKGROUND_H_
 #define SPROUT_SERVICES_REFINE_SURFACE_BACKGROUND_H_
 
-#include <array>
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <span>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iostream>
-#include <utility>
 
 #include "common/app/program.h"
 #include "common/app/version.h"

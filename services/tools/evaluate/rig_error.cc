@@ -14,7 +14,6 @@ namespace sprout::evaluate {
 namespace {
 
 using calibrate::RectifiedCamera;
-using calibrate::RigNumbers;
 
 // Larger ones are no knock.
 constexpr double kMost = 10;

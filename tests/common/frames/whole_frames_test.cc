@@ -10,7 +10,6 @@ namespace sprout {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::IsEmpty;
 
 const PartSet kNeeded{Part::kLeft, Part::kTof};
 

@@ -2,7 +2,6 @@
 #define SPROUT_TESTS_COMMON_SCENES_KITTI_FOLDER_H_
 
 #include <array>
-#include <filesystem>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <string>

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "common/core/prior_map.h"
-#include "common/geometry/projection.h"
 
 namespace sprout {
 namespace {

@@ -1,6 +1,5 @@
 #include "tests/services/temporal/moving_scene.h"
 
-#include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 

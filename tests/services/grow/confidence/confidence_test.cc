@@ -4,11 +4,9 @@
 
 #include <cmath>
 #include <random>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "common/core/digest.h"
 #include "tests/common/testing/instruction_sets.h"
 #include "tests/services/grow/grow_scenes.h"
 

@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "services/grow/paper/plain_costs.h"
 #include "tests/common/core/even_prior.h"
 #include "tests/services/grow/grow_scenes.h"

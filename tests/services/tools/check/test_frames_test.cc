@@ -12,7 +12,6 @@
 namespace sprout::check {
 namespace {
 
-using testing::HasSubstr;
 using testing::SizeIs;
 
 std::vector<TestFrame> SampleFrames(const std::string& stage) {

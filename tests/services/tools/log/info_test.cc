@@ -8,7 +8,6 @@
 namespace sprout::log {
 namespace {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
