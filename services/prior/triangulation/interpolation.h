@@ -59,6 +59,37 @@ inline constexpr double kSideSlack = 1.0 / (1 << 16);
 /// px a row. Steeper sides cross less than a row.
 inline constexpr double kSteepestSide = 1 << 20;
 
+/// The sides of a triangle: from its top to its bottom, and both by way of its middle.
+struct Sides {
+  /// @param corners  must outlive this object.
+  /// @param rows     of the image.
+  Sides(const Corners& corners, const cv::Range& rows)
+      : top(corners.data()), middle(top + 1), bottom(top + 2) {
+    const auto order = [](const Plane*& a, const Plane*& b) {
+      if (b->v < a->v) std::swap(a, b);
+    };
+    order(top, middle);
+    order(middle, bottom);
+    order(top, middle);
+    const auto slope = [](const Plane& a, const Plane& b) {
+      const double height = double{b.v} - a.v;
+      return height > 0 ? std::clamp((double{b.u} - a.u) / height, -kSteepestSide, kSteepestSide)
+                        : 0;
+    };
+    long_slope = slope(*top, *bottom);
+    upper_slope = slope(*top, *middle);
+    lower_slope = slope(*middle, *bottom);
+    // Compared before they are converted: seeds may lie anywhere.
+    first = static_cast<int>(std::ceil(std::clamp<double>(top->v, rows.start, rows.end)));
+    end = static_cast<int>(std::clamp<double>(
+        std::floor(std::clamp<double>(bottom->v, -2, rows.end)) + 1, first, rows.end));
+  }
+
+  const Plane *top, *middle, *bottom;
+  double long_slope, upper_slope, lower_slope;  ///< px a row
+  int first, end;                               ///< rows of the image that it crosses
+};
+
 /// Calls paint(v, begin, end) for the pixels of an image whose centre lies in a triangle or on its
 /// border: columns [begin, end) of row v. Neighbouring triangles both have the pixels of their
 /// common side, so that none between them is missed.
@@ -107,24 +138,8 @@ TrianglesByBand::TrianglesByBand(std::span<const Plane> planes, size_t count,
 
 template <typename Paint>
 void ForEachRun(const Corners& corners, int width, const cv::Range& rows, const Paint& paint) {
-  const Plane *top = corners.data(), *middle = top + 1, *bottom = top + 2;
-  const auto order = [](const Plane*& a, const Plane*& b) {
-    if (b->v < a->v) std::swap(a, b);
-  };
-  order(top, middle);
-  order(middle, bottom);
-  order(top, middle);
-  const auto slope = [](const Plane& a, const Plane& b) {
-    const double height = double{b.v} - a.v;
-    return height > 0 ? std::clamp((double{b.u} - a.u) / height, -kSteepestSide, kSteepestSide) : 0;
-  };
-  const double long_slope = slope(*top, *bottom);
-  const double upper_slope = slope(*top, *middle);
-  const double lower_slope = slope(*middle, *bottom);
-  // Compared before they are converted: seeds may lie anywhere.
-  const int first = static_cast<int>(std::ceil(std::clamp<double>(top->v, rows.start, rows.end)));
-  const int end = static_cast<int>(std::clamp<double>(
-      std::floor(std::clamp<double>(bottom->v, -2, rows.end)) + 1, first, rows.end));
+  const Sides sides(corners, rows);
+  const auto& [top, middle, bottom, long_slope, upper_slope, lower_slope, first, end] = sides;
   for (int v = first; v < end; ++v) {
     const double one = top->u + (v - double{top->v}) * long_slope;
     const double other = v < double{middle->v} ? top->u + (v - double{top->v}) * upper_slope

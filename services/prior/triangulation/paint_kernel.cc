@@ -58,29 +58,10 @@ class Runs {
   static constexpr int kRows = static_cast<int>(hn::MaxLanes(hn::CappedTag<double, 8>()));
 
   Runs(const Corners& corners, int width, const cv::Range& rows)
-      : width_(width), top_(corners.data()), middle_(top_ + 1), bottom_(top_ + 2) {
-    const auto order = [](const Plane*& a, const Plane*& b) {
-      if (b->v < a->v) std::swap(a, b);
-    };
-    order(top_, middle_);
-    order(middle_, bottom_);
-    order(top_, middle_);
-    const auto slope = [](const Plane& a, const Plane& b) {
-      const double height = double{b.v} - a.v;
-      return height > 0 ? std::clamp((double{b.u} - a.u) / height, -kSteepestSide, kSteepestSide)
-                        : 0;
-    };
-    long_slope_ = slope(*top_, *bottom_);
-    upper_slope_ = slope(*top_, *middle_);
-    lower_slope_ = slope(*middle_, *bottom_);
-    // Compared before they are converted: seeds may lie anywhere.
-    first_ = static_cast<int>(std::ceil(std::clamp<double>(top_->v, rows.start, rows.end)));
-    end_ = static_cast<int>(std::clamp<double>(
-        std::floor(std::clamp<double>(bottom_->v, -2, rows.end)) + 1, first_, rows.end));
-  }
+      : width_(width), sides_(corners, rows) {}
 
-  int first() const { return first_; }
-  int end() const { return end_; }
+  int first() const { return sides_.first; }
+  int end() const { return sides_.end; }
 
   // Columns [begins, ends) of kRows rows from v on.
   HWY_INLINE void At(int v, int32_t* begins, int32_t* ends) const {
@@ -90,10 +71,10 @@ class Runs {
       const auto down = hn::Sub(rows, hn::Set(d, double{from.v}));
       return hn::Add(hn::Set(d, double{from.u}), hn::Mul(down, hn::Set(d, slope)));
     };
-    const auto one = side(*top_, long_slope_);
-    const auto is_upper = hn::Lt(rows, hn::Set(d, double{middle_->v}));
-    const auto other =
-        hn::IfThenElse(is_upper, side(*top_, upper_slope_), side(*middle_, lower_slope_));
+    const auto one = side(*sides_.top, sides_.long_slope);
+    const auto is_upper = hn::Lt(rows, hn::Set(d, double{sides_.middle->v}));
+    const auto other = hn::IfThenElse(is_upper, side(*sides_.top, sides_.upper_slope),
+                                      side(*sides_.middle, sides_.lower_slope));
     const auto slack = hn::Set(d, kSideSlack);
     StoreBehind(hn::Sub(hn::Min(one, other), slack), begins);
     StoreBehind(hn::Add(hn::Max(one, other), slack), ends);
@@ -111,9 +92,7 @@ class Runs {
   }
 
   int width_;
-  const Plane *top_, *middle_, *bottom_;
-  double long_slope_, upper_slope_, lower_slope_;
-  int first_, end_;
+  Sides sides_;
 };
 
 // What a triangle paints.
