@@ -41,8 +41,7 @@ void AddPairs(RosRecording& file, int count) {
 
 // Whoever splits or merges bags may write one topic behind the other.
 TEST(RosForeign, FramesAreWholeThoughTopicsStandBehindEachOther) {
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file", /*chunk_bytes=*/1);
+  RosRecording file(/*chunk_bytes=*/1);
   constexpr int kCount = 20;
   for (const char* topic : {"/right/image", "/left/image"}) {
     for (int i = 0; i < kCount; ++i) {
@@ -50,8 +49,7 @@ TEST(RosForeign, FramesAreWholeThoughTopicsStandBehindEachOther) {
     }
   }
   file.AddCalibration(examples::Rig());
-  file.Finish();
-  const Opened opened = OpenAll(Source(folder));
+  const Opened opened = OpenAll(file.Source());
   ASSERT_EQ(opened.frames.size(), static_cast<size_t>(kCount));
   for (const auto& frame : opened.frames) {
     EXPECT_EQ(frame.lost, 0);
@@ -90,8 +88,7 @@ TEST(RosForeign, PartsOfABagAreOneRecording) {
 }
 
 TEST(RosForeign, MessagesMayBePackedOneByOne) {
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   file.Change([](std::vector<uint8_t>& cdr) {
     std::vector<uint8_t> packed(ZSTD_compressBound(cdr.size()));
     packed.resize(ZSTD_compress(packed.data(), packed.size(), cdr.data(), cdr.size(), 1));
@@ -101,8 +98,7 @@ TEST(RosForeign, MessagesMayBePackedOneByOne) {
   AddPairs(file, 3);
   file.Change([](std::vector<uint8_t>& cdr) { cdr = {0x28, 0xb5, 0x2f, 0xfd, 1, 2, 3}; });
   file.AddImage("/left/image", kStart + 300'000, Grey(3), 3 * kFrameNs);
-  file.Finish();
-  const Opened opened = OpenAll(Source(folder));
+  const Opened opened = OpenAll(file.Source());
   EXPECT_EQ(opened.frames.size(), 3U);
   EXPECT_THAT(opened.told, ElementsAre(HasSubstr("/left/image: message: ")));
 }
@@ -123,13 +119,12 @@ TEST(RosForeign, RosOnesEncodingIsCalledByItsName) {
 }
 
 TEST(RosForeign, NamesNeedNoSlashInFront) {
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   file.AddImage("left/image", kStart, Grey(1));
   file.AddImage("right/image", kStart, Grey(1));
   file.AddCalibration(examples::Rig());
   file.Finish();
-  const std::string bag = "mcap:" + PathOf(folder);
+  const std::string bag = "mcap:" + file.path();
   EXPECT_EQ(OpenAll(bag + "?left=left/image&right=right/image").frames.size(), 1U);
   EXPECT_EQ(OpenAll(bag + "?left=/left/image&right=/right/image").frames.size(), 1U);
 }
@@ -138,8 +133,7 @@ TEST(RosForeign, TransformsMayBeOnOtherTopics) {
   const Rig rig = examples::Rig();
   for (const char* robot : {"", "/robot1", "/left"}) {
     for (const char* topic : {"/tf_static", "/tf"}) {
-      const TemporaryDirectory folder;
-      RosRecording file(folder / "file");
+      RosRecording file;
       AddPairs(file, 1);
       file.AddImage("/tof/image", kStart, examples::Tof(false).depth_m);
       file.Add("/tof/camera_info", ToRosTofInfo({kStart, RosFrames().tof}, rig.tof));
@@ -147,12 +141,11 @@ TEST(RosForeign, TransformsMayBeOnOtherTopics) {
       file.Add("/right/camera_info", ToRosRightInfo({kStart, RosFrames().right}, rig.pair));
       const std::string name = std::string(robot) + topic;
       file.Add(name, ToRosTransforms(kStart, rig, {}));
-      file.Finish();
-      const Opened opened = OpenAll(Source(folder, "&depth=/tof/image"));
+      const Opened opened = OpenAll(file.Source("&depth=/tof/image"));
       EXPECT_EQ(RigId(opened.source->rig()), RigId(rig)) << name;
       // Those that are not looked for by name are taken aloud.
       EXPECT_EQ(opened.told.size(), std::string(robot) == "/robot1" ? 1U : 0U) << name;
-      const Opened asked = OpenAll(Source(folder, "&depth=/tof/image&tf=" + name));
+      const Opened asked = OpenAll(file.Source("&depth=/tof/image&tf=" + name));
       EXPECT_EQ(RigId(asked.source->rig()), RigId(rig)) << name;
       EXPECT_THAT(asked.told, IsEmpty());
     }
@@ -162,41 +155,36 @@ TEST(RosForeign, TransformsMayBeOnOtherTopics) {
 // Of two robots nobody says which one it is.
 TEST(RosForeign, TransformsOfSeveralRobotsAreNotGuessed) {
   const Rig rig = examples::Rig();
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   AddPairs(file, 1);
   file.AddImage("/tof/image", kStart, examples::Tof(false).depth_m);
   file.Add("/tof/camera_info", ToRosTofInfo({kStart, RosFrames().tof}, rig.tof));
   file.AddCalibration(rig, "/robot1");
   file.Add("/robot2/tf_static", ToRosTransforms(kStart, rig, {}));
-  file.Finish();
-  EXPECT_THAT(Complaint(Source(folder, "&depth=/tof/image")), HasSubstr("no transform"));
-  const Opened opened = OpenAll(Source(folder, "&depth=/tof/image&tf=/robot2/tf_static"));
+  EXPECT_THAT(Complaint(file.Source("&depth=/tof/image")), HasSubstr("no transform"));
+  const Opened opened = OpenAll(file.Source("&depth=/tof/image&tf=/robot2/tf_static"));
   EXPECT_EQ(RigId(opened.source->rig()), RigId(rig));
 }
 
 TEST(RosForeign, ThePoseMayBeGiven) {
   const Rig rig = examples::Rig();
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   AddPairs(file, 1);
   file.AddImage("/tof/image", kStart, examples::Tof(false).depth_m);
   file.Add("/tof/camera_info", ToRosTofInfo({kStart, "nowhere"}, rig.tof));
   file.AddCalibration(rig);
-  file.Finish();
-  const Opened opened = OpenAll(Source(folder, "&depth=/tof/image&pose=0.1,-0.2,0.3,0,0,1,0"));
+  const Opened opened = OpenAll(file.Source("&depth=/tof/image&pose=0.1,-0.2,0.3,0,0,1,0"));
   const TofCamera& tof = opened.source->rig().tof;
   EXPECT_EQ(tof.left_from_tof_translation_m, Eigen::Vector3d(0.1, -0.2, 0.3));
   EXPECT_EQ(tof.left_from_tof_rotation.z(), 1);
-  const Opened shifted = OpenAll(Source(folder, "&depth=/tof/image&pose=0.1,0,0"));
+  const Opened shifted = OpenAll(file.Source("&depth=/tof/image&pose=0.1,0,0"));
   EXPECT_EQ(shifted.source->rig().tof.left_from_tof_rotation.w(), 1);
 }
 
 // A range image that was registered to a camera of the pair has its camera_info, and stands there.
 TEST(RosForeign, ARangeImageMayHaveTheCameraInfoOfAnImage) {
   const RectifiedPair pair = examples::Rig().pair;
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   AddPairs(file, 1);
   cv::Mat1w millimetres(kSize, uint16_t{1500});
   file.AddImage("/left/depth", kStart, millimetres);
@@ -207,11 +195,10 @@ TEST(RosForeign, ARangeImageMayHaveTheCameraInfoOfAnImage) {
   left->d._buffer[0] = 0.1;
   file.Add("/left/camera_info", left);
   file.Add("/right/camera_info", ToRosRightInfo({kStart, "right"}, pair));
-  file.Finish();
   for (const char* options :
        {"&depth=/left/depth", "&depth=/depth/image&depth_info=/left/camera_info",
         "&depth=/depth/image&depth_info=/right/camera_info"}) {
-    const Opened opened = OpenAll(Source(folder, options));
+    const Opened opened = OpenAll(file.Source(options));
     const TofCamera& tof = opened.source->rig().tof;
     const bool is_right = std::string(options).ends_with("/right/camera_info");
     EXPECT_EQ(tof.fx, pair.focal_px) << options;
@@ -228,8 +215,7 @@ TEST(RosForeign, ARangeImageMayHaveTheCameraInfoOfAnImage) {
 // Of a range image of its own camera the name says whether P or K and D describe it.
 TEST(RosForeign, ARectifiedRangeImageIsThatOfP) {
   const Rig rig = examples::Rig();
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   AddPairs(file, 1);
   file.AddImage("/tof/image_rect_raw", kStart, examples::Tof(false).depth_m);
   file.AddImage("/tof/image_raw", kStart, examples::Tof(false).depth_m);
@@ -238,18 +224,16 @@ TEST(RosForeign, ARectifiedRangeImageIsThatOfP) {
   SetRosText(info->distortion_model, "equidistant");
   file.Add("/tof/camera_info", info);
   file.AddCalibration(rig);
-  file.Finish();
-  const Opened opened = OpenAll(Source(folder, "&depth=/tof/image_rect_raw"));
+  const Opened opened = OpenAll(file.Source("&depth=/tof/image_rect_raw"));
   EXPECT_EQ(opened.source->rig().tof.fx, 150);
   EXPECT_EQ(opened.source->rig().tof.distortion, TofCamera().distortion);
-  EXPECT_THAT(Complaint(Source(folder, "&depth=/tof/image_raw")),
+  EXPECT_THAT(Complaint(file.Source("&depth=/tof/image_raw")),
               HasSubstr("/tof/camera_info: d = 5: allowed is 4 coefficients of equidistant"));
 }
 
 TEST(RosForeign, ImagesAndRangesMayBeCompressed) {
   const Rig rig = examples::Rig();
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   file.AddCalibration(rig);
   const auto add = [&](const std::string& topic, const std::string& format, const cv::Mat& image,
                        size_t header) {
@@ -267,7 +251,7 @@ TEST(RosForeign, ImagesAndRangesMayBeCompressed) {
   add("/tof/image/compressedDepth", "16UC1; compressedDepth", cv::Mat1w(3, 2, uint16_t{2500}), 12);
   file.Add("/tof/camera_info", ToRosTofInfo({kStart, RosFrames().tof}, rig.tof));
   file.Finish();
-  const Opened opened = OpenAll("mcap:" + PathOf(folder) +
+  const Opened opened = OpenAll("mcap:" + file.path() +
                                 "?left=/left/image/compressed&right=/right/image/compressed"
                                 "&depth=/tof/image/compressedDepth");
   ASSERT_EQ(opened.frames.size(), 1U);
@@ -277,8 +261,7 @@ TEST(RosForeign, ImagesAndRangesMayBeCompressed) {
 
 // That is what images for a calibration are.
 TEST(RosForeign, RawImagesNeedNoCalibration) {
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   for (const char* topic : {"/left/image/compressed", "/right/image/compressed"}) {
     std::vector<uint8_t> png;
     cv::imencode(".png", Grey(5), png);
@@ -290,7 +273,7 @@ TEST(RosForeign, RawImagesNeedNoCalibration) {
   file.Finish();
   Told told;
   const auto raw = OpenRawRosSource(
-      "mcap:" + PathOf(folder) + "?left=/left/image/compressed&right=/right/image/compressed",
+      "mcap:" + file.path() + "?left=/left/image/compressed&right=/right/image/compressed",
       told.Options());
   const std::stop_source never;
   const auto frame = raw->Next(never.get_token());

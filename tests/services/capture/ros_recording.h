@@ -24,11 +24,19 @@ namespace sprout::capture {
 inline constexpr int64_t kStart = 1'700'000'000'000'000;
 inline const cv::Size kSize(640, 480);  // as examples::Rig()
 
+inline std::string PathOf(const TemporaryDirectory& folder) { return folder / "file"; }
+
+inline std::string Source(const TemporaryDirectory& folder, const std::string& options = "") {
+  return "mcap:" + PathOf(folder) + "?left=/left/image&right=/right/image" + options;
+}
+
 class RosRecording {
  public:
+  /// A file in a folder of its own.
   /// @param chunk_bytes  small: each message has a chunk of its own.
-  explicit RosRecording(const std::string& path, size_t chunk_bytes = size_t{4} << 20)
-      : writer_(path, {.profile = "ros2", .chunk_bytes = chunk_bytes}) {}
+  explicit RosRecording(size_t chunk_bytes = size_t{4} << 20)
+      : writer_(path(), {.profile = "ros2", .chunk_bytes = chunk_bytes}) {}
+  explicit RosRecording(const std::string& path) : writer_(path, {.profile = "ros2"}) {}
 
   /// @param time_ns  of the recording, not of the message.
   void Add(const std::string& topic, const AnyRosMessage& message, uint64_t time_ns = 0) {
@@ -57,16 +65,28 @@ class RosRecording {
   /// What becomes of the bytes of further messages.
   void Change(std::function<void(std::vector<uint8_t>&)> change) { change_ = std::move(change); }
 
-  void Finish() { EXPECT_TRUE(writer_.Commit()); }
+  void Finish() {
+    if (is_finished_) return;
+    EXPECT_TRUE(writer_.Commit());
+    is_finished_ = true;
+  }
+
+  std::string path() const { return PathOf(folder_); }
+
+  /// Finishes it. @returns it as a source.
+  std::string Source(const std::string& options = "") {
+    Finish();
+    return capture::Source(folder_, options);
+  }
 
  private:
+  const TemporaryDirectory folder_;
+  bool is_finished_ = false;
   McapWriter writer_;
   std::map<std::string, uint16_t> channels_;
   std::vector<uint8_t> cdr_;
   std::function<void(std::vector<uint8_t>&)> change_;
 };
-
-inline std::string PathOf(const TemporaryDirectory& folder) { return folder / "file"; }
 
 struct Told {
   std::vector<std::string> lines;
@@ -84,10 +104,6 @@ struct Told {
 };
 
 inline cv::Mat1b Grey(int value) { return cv::Mat1b(kSize, static_cast<uint8_t>(value)); }
-
-inline std::string Source(const TemporaryDirectory& folder, const std::string& options = "") {
-  return "mcap:" + PathOf(folder) + "?left=/left/image&right=/right/image" + options;
-}
 
 inline std::vector<scenes::CapturedFrame> All(scenes::FrameSource& source) {
   std::vector<scenes::CapturedFrame> frames;

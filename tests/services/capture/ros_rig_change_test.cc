@@ -18,8 +18,7 @@ struct TwoRigs {
   Rig second;
 
   std::vector<scenes::CapturedFrame> Frames(Told& told) const {
-    const TemporaryDirectory folder;
-    RosRecording file(folder / "file");
+    RosRecording file;
     for (int i = 0; i < 4; ++i) {
       const Rig& rig = i < 2 ? first : second;
       const int64_t utime = kStart + 100'000 * i;
@@ -29,8 +28,7 @@ struct TwoRigs {
       file.AddImage("/left/image", utime, image);
       file.AddImage("/right/image", utime, image);
     }
-    file.Finish();
-    const auto source = OpenRosSource(Source(folder), told.Options());
+    const auto source = OpenRosSource(file.Source(), told.Options());
     EXPECT_EQ(source->rig().pair.focal_px, first.pair.focal_px);
     return All(*source);
   }
@@ -66,8 +64,7 @@ TEST(RosSource, ANewRigMayHaveAnotherSize) {
 }
 
 TEST(RosSource, FramesWithoutACalibrationAreLost) {
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   const Rig rig = examples::Rig();
   file.AddCalibration(rig);
   for (int i = 0; i < 4; ++i) {
@@ -78,26 +75,23 @@ TEST(RosSource, FramesWithoutACalibrationAreLost) {
     file.AddImage("/left/image", utime, Grey(i));
     file.AddImage("/right/image", utime, Grey(i));
   }
-  file.Finish();
   Told told;
-  EXPECT_EQ(All(*OpenRosSource(Source(folder), told.Options())).size(), 3U);
+  EXPECT_EQ(All(*OpenRosSource(file.Source(), told.Options())).size(), 3U);
   ASSERT_EQ(told.lost.size(), 1U);
   EXPECT_EQ(told.lost[0].count, 1);
   EXPECT_THAT(told.refused, ElementsAre(HasSubstr("/left/camera_info")));
 }
 
 TEST(RosSource, RefusesAnImageOfAnotherSizeAndGoesOn) {
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   file.AddCalibration(examples::Rig());
   for (int i = 0; i < 3; ++i) {
     const int64_t utime = kStart + 100'000 * i;
     file.AddImage("/left/image", utime, i == 1 ? cv::Mat1b(2, 2, uint8_t{1}) : Grey(i));
     file.AddImage("/right/image", utime, Grey(i));
   }
-  file.Finish();
   Told told;
-  const auto frames = All(*OpenRosSource(Source(folder), told.Options()));
+  const auto frames = All(*OpenRosSource(file.Source(), told.Options()));
   ASSERT_EQ(frames.size(), 2U);
   EXPECT_THAT(told.refused,
               ElementsAre("/left/image: image of 2x2: allowed is the calibrated size 640x480"));

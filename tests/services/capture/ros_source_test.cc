@@ -14,8 +14,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 TEST(RosSource, GivesTheFramesAndTheRigThatWereShown) {
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   const Rig rig = examples::Rig();
   const TofImage tof = examples::Tof(false);
   // The calibration stands behind the first frame.
@@ -28,9 +27,8 @@ TEST(RosSource, GivesTheFramesAndTheRigThatWereShown) {
     file.AddCalibration(rig);
     file.Add("/tof/camera_info", ToRosTofInfo({utime, RosFrames().tof}, rig.tof));
   }
-  file.Finish();
   Told told;
-  const auto source = OpenRosSource(Source(folder, "&depth=/tof/image"), told.Options());
+  const auto source = OpenRosSource(file.Source("&depth=/tof/image"), told.Options());
   EXPECT_EQ(RigId(source->rig()), RigId(rig));
   EXPECT_TRUE(source->is_recorded());
   const auto frames = All(*source);
@@ -52,8 +50,7 @@ TEST(RosSource, MakesTheRangeImageOfAScanThatKittiMakes) {
   kitti.WriteStereo("000007");
   const auto dataset = kitti.Open("/000007");
   const scenes::DatasetFrame expected = dataset->Get(0);
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   const RectifiedPair& pair = dataset->rig().pair;
   file.Add("/left/camera_info", ToRosLeftInfo({kStart, "left"}, pair));
   file.Add("/right/camera_info", ToRosRightInfo({kStart, "right"}, pair));
@@ -77,9 +74,8 @@ TEST(RosSource, MakesTheRangeImageOfAScanThatKittiMakes) {
   file.Add("/points", ToRosCloud({kStart, "scanner"}, cloud));
   file.AddImage("/left/image", kStart, expected.left);
   file.AddImage("/right/image", kStart, expected.right);
-  file.Finish();
   Told told;
-  const auto source = OpenRosSource(Source(folder, "&points=/points"), told.Options());
+  const auto source = OpenRosSource(file.Source("&points=/points"), told.Options());
   EXPECT_EQ(RigId(source->rig()), RigId(dataset->rig()));
   const auto frames = All(*source);
   ASSERT_EQ(frames.size(), 1U);
@@ -96,8 +92,7 @@ TEST(RosSource, MakesTheRangeImageOfAScanThatKittiMakes) {
 }
 
 TEST(RosSource, CountsImagesWithoutPartner) {
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   file.AddCalibration(examples::Rig());
   for (int i = 0; i < 10; ++i) {
     const int64_t utime = kStart + 100'000 * i;
@@ -105,9 +100,8 @@ TEST(RosSource, CountsImagesWithoutPartner) {
     // 19 ms late; the fifth is lost, the eighth too late.
     if (i != 4) file.AddImage("/right/image", utime + (i == 7 ? 21'000 : 19'000), Grey(i));
   }
-  file.Finish();
   Told told;
-  const auto source = OpenRosSource(Source(folder), told.Options());
+  const auto source = OpenRosSource(file.Source(), told.Options());
   const auto frames = All(*source);
   ASSERT_EQ(frames.size(), 8U);
   int64_t lost = source->lost_at_end().count;
@@ -124,16 +118,14 @@ TEST(RosSource, CountsImagesWithoutPartner) {
 // image.
 std::vector<int> FramesOfStamps(const std::vector<std::pair<int64_t, int64_t>>& stamps,
                                 Told& told) {
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   file.AddCalibration(examples::Rig());
   for (size_t i = 0; i < stamps.size(); ++i) {
     file.AddImage("/left/image", stamps[i].first, Grey(static_cast<int>(i)));
     file.AddImage("/right/image", stamps[i].second, Grey(static_cast<int>(i)));
   }
-  file.Finish();
   std::vector<int> values;
-  for (const auto& frame : All(*OpenRosSource(Source(folder), told.Options()))) {
+  for (const auto& frame : All(*OpenRosSource(file.Source(), told.Options()))) {
     EXPECT_EQ(frame.left.at<uint8_t>(0, 0), frame.right.at<uint8_t>(0, 0));
     values.push_back(frame.left.at<uint8_t>(0, 0));
   }
@@ -183,8 +175,7 @@ TEST(RosSource, ReportsLossesWhenTheyHappen) {
 std::string RangeTrouble(int64_t pairs_utime, int64_t range_utime,
                          const std::string& topic = "/depth/image",
                          const cv::Mat& range = cv::Mat1f(kSize, 2)) {
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   file.AddCalibration(examples::Rig());
   for (int i = 0; i < 3; ++i) {
     const int64_t later = pairs_utime == 0 ? 0 : 100'000 * i;
@@ -192,10 +183,9 @@ std::string RangeTrouble(int64_t pairs_utime, int64_t range_utime,
     file.AddImage("/right/image", pairs_utime + later, Grey(i));
     file.AddImage(topic, range_utime + 100'000 * i, range);
   }
-  file.Finish();
   Told told;
   const auto source = OpenRosSource(
-      Source(folder, "&depth=" + topic + "&depth_info=/left/camera_info"), told.Options());
+      file.Source("&depth=" + topic + "&depth_info=/left/camera_info"), told.Options());
   const auto frames = All(*source);
   EXPECT_EQ(frames.size(), 3U);
   for (const auto& frame : frames) EXPECT_EQ(frame.trouble, "");
@@ -219,8 +209,7 @@ TEST(RosSource, SaysWhyARangeSensorNeverJoins) {
 }
 
 TEST(RosSource, PicturesOf16BitsBecomeThoseOf8AsTheyUseThem) {
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   file.AddCalibration(examples::Rig());
   cv::Mat1w deep(kSize);
   for (int u = 0; u < deep.cols; ++u) deep.col(u).setTo(1023 * u / (deep.cols - 1));
@@ -232,39 +221,35 @@ TEST(RosSource, PicturesOf16BitsBecomeThoseOf8AsTheyUseThem) {
     }
     deep /= 2;  // one range for the recording
   }
-  file.Finish();
   Told told;
-  const auto frames = All(*OpenRosSource(Source(folder), told.Options()));
+  const auto frames = All(*OpenRosSource(file.Source(), told.Options()));
   ASSERT_EQ(frames.size(), 2U);
   EXPECT_EQ(frames[0].left.at<uint8_t>(0, deep.cols - 1), 255);
   EXPECT_NEAR(frames[1].right.at<uint8_t>(0, deep.cols - 1), 128, 1);
   EXPECT_THAT(frames[0].trouble, HasSubstr("pixels of 16 bits use 0 to 1023"));
   EXPECT_EQ(frames[1].trouble, "");
-  const auto asked = All(*OpenRosSource(Source(folder, "&bits=12"), told.Options()));
+  const auto asked = All(*OpenRosSource(file.Source("&bits=12"), told.Options()));
   ASSERT_EQ(asked.size(), 2U);
   EXPECT_NEAR(asked[0].left.at<uint8_t>(0, deep.cols - 1), 64, 1);
 }
 
 TEST(RosSource, WhatCameBeforeTheFirstPairIsNotLost) {
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   file.AddCalibration(examples::Rig());
   for (int i = 0; i < 4; ++i) {
     const int64_t utime = kStart + 100'000 * i;
     file.AddImage("/left/image", utime, Grey(i));
     if (i >= 2) file.AddImage("/right/image", utime, Grey(i));
   }
-  file.Finish();
   Told told;
-  const auto frames = All(*OpenRosSource(Source(folder), told.Options()));
+  const auto frames = All(*OpenRosSource(file.Source(), told.Options()));
   ASSERT_EQ(frames.size(), 2U);
   EXPECT_EQ(frames[0].lost + frames[1].lost, 0);
   EXPECT_THAT(told.lost, testing::IsEmpty());
 }
 
 TEST(RosSource, RefusesWhatItCannotUseAtOnce) {
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   file.AddCalibration(examples::Rig());
   for (int i = 0; i < 3; ++i) {
     for (const char* topic : {"/left/image", "/right/image"}) {
@@ -273,17 +258,15 @@ TEST(RosSource, RefusesWhatItCannotUseAtOnce) {
       file.Add(topic, image);
     }
   }
-  file.Finish();
   Told told;
-  EXPECT_THAT(All(*OpenRosSource(Source(folder), told.Options())), testing::IsEmpty());
+  EXPECT_THAT(All(*OpenRosSource(file.Source(), told.Options())), testing::IsEmpty());
   ASSERT_EQ(told.refused.size(), 6U);
   EXPECT_THAT(told.refused[0], testing::StartsWith("/left/image: "));
   EXPECT_THAT(told.refused[0], HasSubstr("nonsense"));
 }
 
 TEST(RosSource, DecodesJpeg) {
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   file.AddCalibration(examples::Rig());
   for (const char* topic : {"/left/image", "/right/image"}) {
     RosMessage<RosCompressedImage> message;
@@ -293,9 +276,8 @@ TEST(RosSource, DecodesJpeg) {
     std::ranges::copy(jpeg, ResizeRos(message->data, jpeg.size()).begin());
     file.Add(topic, message);
   }
-  file.Finish();
   Told told;
-  const auto frames = All(*OpenRosSource(Source(folder), told.Options()));
+  const auto frames = All(*OpenRosSource(file.Source(), told.Options()));
   ASSERT_EQ(frames.size(), 1U);
   EXPECT_NEAR(frames[0].left.at<uint8_t>(9, 9), 90, 1);
 }
@@ -352,27 +334,23 @@ TEST(RosSource, SaysWhatIsMissing) {
 }
 
 TEST(RosSource, RefusesATopicOfAnotherType) {
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   file.AddCalibration(examples::Rig());
   file.AddImage("/left/image", kStart, Grey(1));
   file.Add("/right/image", ToRosCloud({kStart, "x"}, {}));
-  file.Finish();
-  EXPECT_THAT(Complaint(Source(folder)),
-              HasSubstr("/right/image in " + PathOf(folder) +
+  EXPECT_THAT(Complaint(file.Source()),
+              HasSubstr("/right/image in " + file.path() +
                         " has type sensor_msgs/msg/PointCloud2 in encoding cdr; allowed is "
                         "sensor_msgs/msg/Image and sensor_msgs/msg/CompressedImage in cdr"));
 }
 
 TEST(RosSource, BeginsAFileAgain) {
-  const TemporaryDirectory folder;
-  RosRecording file(folder / "file");
+  RosRecording file;
   file.AddCalibration(examples::Rig());
   file.AddImage("/left/image", kStart, Grey(1));
   file.AddImage("/right/image", kStart, Grey(1));
-  file.Finish();
   Told told;
-  const auto source = OpenRosSource(Source(folder), told.Options(/*loop=*/true));
+  const auto source = OpenRosSource(file.Source(), told.Options(/*loop=*/true));
   const std::stop_source never;
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(source->Next(never.get_token()).has_value()) << i;
 }
