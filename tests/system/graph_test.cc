@@ -5,8 +5,7 @@
 #include <csignal>
 
 #include "common/scenes/dataset.h"
-#include "services/pipeline/pipeline.h"
-#include "tests/system/correct_percent.h"
+#include "tests/system/in_process.h"
 
 namespace sprout {
 namespace {
@@ -16,18 +15,6 @@ constexpr char kWithoutTof[] = "synthetic:320x240?tof=none";
 
 bool SamePixels(const DisparityImage& a, const DisparityImage& b) {
   return a.size() == b.size() && cv::countNonZero(a.counts() != b.counts()) == 0;
-}
-
-// What the stages compute in one process, without any message.
-DisparityImage ComputeInProcess(int64_t index, const std::string& from = kSource) {
-  SproutConfig config = LoadConfig({"default"});
-  config.mutable_capture()->set_source(from);
-  const auto source = scenes::OpenDataset(config.capture());
-  const scenes::DatasetFrame captured = source->Get(index);
-  return Pipeline(config)
-      .Compute(captured.left, captured.right, captured.tof, source->rig())
-      .value()
-      .disparity;
 }
 
 TEST(GraphSystem, DeliversEveryFrameWithTheBytesOfTheStagesAlone) {
@@ -44,7 +31,7 @@ TEST(GraphSystem, DeliversEveryFrameWithTheBytesOfTheStagesAlone) {
     EXPECT_TRUE(graph.WaitUntil(
         [&](Graph& g) {
           return SamePixels(std::get<DisparityImage>(g.parts.at({Part::kDisparity, seq})),
-                            ComputeInProcess(seq));
+                            ComputeInProcess(kSource, seq));
         },
         std::chrono::seconds(1)))
         << "frame " << seq;
@@ -81,7 +68,7 @@ TEST(GraphSystem, WithoutATofCameraStereoGivesTheMapAndTheStatusesSayNoCoverage)
       const auto& map = std::get<DisparityImage>(g.parts.at({Part::kDisparity, seq}));
       EXPECT_GT(map.CountValid(), 0.95 * map.size().area()) << "frame " << seq;
       EXPECT_GT(CorrectPercent(map, source->Get(seq).truth), 80) << "frame " << seq;
-      EXPECT_TRUE(SamePixels(map, ComputeInProcess(seq, kWithoutTof))) << "frame " << seq;
+      EXPECT_TRUE(SamePixels(map, ComputeInProcess(kWithoutTof, seq))) << "frame " << seq;
     }
     for (const char* stage : {"refine", "prior", "grow"}) {
       const StageStatus& status = g.statuses[stage];
@@ -126,7 +113,7 @@ TEST(GraphSystem, SendsAFrameAgainAndTheStagesTakeItTwice) {
     EXPECT_EQ(g.statuses["refine"].frames_incomplete, 0);
     EXPECT_EQ(g.statuses["refine"].sequence_gaps, 0);
     EXPECT_TRUE(SamePixels(std::get<DisparityImage>(g.parts.at({Part::kDisparity, 0})),
-                           ComputeInProcess(0)));
+                           ComputeInProcess(kSource, 0)));
     return true;
   });
 }

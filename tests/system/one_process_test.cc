@@ -9,9 +9,9 @@
 #include "common/logfile/log_writer.h"
 #include "common/messages/codec.h"
 #include "common/scenes/dataset.h"
-#include "services/pipeline/pipeline.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/graph.h"
+#include "tests/system/in_process.h"
 #include "tests/system/log_bytes.h"
 
 namespace sprout {
@@ -122,17 +122,6 @@ TEST(OneProcessSystem, ComputesMapsWithoutTheMotionThatOnlyTheMemoryNeeds) {
   EXPECT_EQ(given.at("SPROUT_MOTION").size(), plain.at("SPROUT_DISPARITY").size());
 }
 
-DisparityImage ComputeInProcess(int64_t index) {
-  SproutConfig config = LoadConfig({"default"});
-  config.mutable_capture()->set_source(kSource);
-  const auto source = scenes::OpenDataset(config.capture());
-  const scenes::DatasetFrame captured = source->Get(index);
-  return Pipeline(config)
-      .Compute(captured.left, captured.right, captured.tof, source->rig())
-      .value()
-      .disparity;
-}
-
 TEST(OneProcessSystem, AnswersEveryFrameAndReportsItsStepsUnderTheNamesOfTheProcesses) {
   constexpr int kFrames = 5;
   Graph graph;
@@ -170,7 +159,8 @@ TEST(OneProcessSystem, AnswersEveryFrameAndReportsItsStepsUnderTheNamesOfTheProc
         EXPECT_GE((g.part_counts[{part, seq}]), 1) << ChannelOf(part) << " of frame " << seq;
       }
       const auto& map = std::get<DisparityImage>(g.parts.at({Part::kDisparity, seq}));
-      EXPECT_EQ(cv::countNonZero(map.counts() != ComputeInProcess(seq).counts()), 0) << seq;
+      EXPECT_EQ(cv::countNonZero(map.counts() != ComputeInProcess(kSource, seq).counts()), 0)
+          << seq;
     }
     return true;
   });

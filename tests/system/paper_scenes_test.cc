@@ -6,8 +6,8 @@
 #include <iostream>
 
 #include "common/scenes/dataset.h"
-#include "tests/system/correct_percent.h"
 #include "tests/system/graph.h"
+#include "tests/system/in_process.h"
 
 namespace sprout {
 namespace {
