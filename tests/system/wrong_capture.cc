@@ -10,6 +10,7 @@
 #include "common/bus/channels.h"
 #include "common/bus/publisher.h"
 #include "common/messages/codec.h"
+#include "tests/common/core/centred.h"
 
 namespace sprout {
 namespace {
@@ -22,15 +23,7 @@ constexpr std::chrono::milliseconds kPeriod{100};
 constexpr int kLastFrame = 4;  // of "stops" and "ends_early"
 
 Rig SmallRig() {
-  Rig rig;
-  rig.pair = {.width = kSize.width,
-              .height = kSize.height,
-              .focal_px = 60,
-              .cx = 31.5,
-              .cy = 23.5,
-              .cx_right = 31.5,
-              .baseline_m = 0.1};
-  return rig;  // without a ToF camera
+  return {CentredPair(kSize.width, kSize.height, 60), {}};  // without a ToF camera
 }
 
 class WrongCapture {

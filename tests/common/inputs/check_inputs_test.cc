@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <optional>
-#include <string>
 
+#include "tests/common/core/centred.h"
 #include "tests/common/inputs/parts.h"
 
 namespace sprout::inputs {
@@ -385,13 +384,7 @@ TEST(CheckInputs, WorksOnImagesOfAnySize) {
     cv::RNG random(7);
     random.fill(parts.left, cv::RNG::UNIFORM, 0, 256);
     parts.right = parts.left.clone();
-    parts.rig.pair = {.width = size.width,
-                      .height = size.height,
-                      .focal_px = 50,
-                      .cx = size.width / 2.0,
-                      .cy = size.height / 2.0,
-                      .cx_right = size.width / 2.0,
-                      .baseline_m = 0.1};
+    parts.rig.pair = CentredPair(size.width, size.height, 50);
     parts.rig.tof = TofOverLeft(parts.rig.pair, size);
     EXPECT_EQ(parts.Check().size(), static_cast<size_t>(kQuestionCount));
   }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/picture/text.h"
+#include "tests/common/core/centred.h"
 
 namespace sprout {
 namespace {
@@ -78,13 +79,7 @@ TEST(DisparityPicture, MarksWhatItsScaleDoesNotReach) {
 }
 
 TEST(DisparityPicture, HasDepthsBesideDisparitiesWithAPair) {
-  const RectifiedPair pair{.width = 300,
-                           .height = 200,
-                           .focal_px = 500,
-                           .cx = 150,
-                           .cy = 100,
-                           .cx_right = 150,
-                           .baseline_m = 0.1};
+  const RectifiedPair pair = CentredPair(300, 200, 500);
   const DisparityImage disparity(cv::Size(300, 200));
   EXPECT_GT(DisparityPicture(disparity, {8, 64}, "", &pair).cols,
             DisparityPicture(disparity, {8, 64}, "").cols);

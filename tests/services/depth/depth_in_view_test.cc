@@ -4,17 +4,13 @@
 
 #include <numbers>
 
+#include "tests/common/core/centred.h"
+
 namespace sprout::depth {
 namespace {
 
 // f·b = 10 px·m: 10 px are 1 m.
-constexpr RectifiedPair kMappedPair{.width = 40,
-                                    .height = 30,
-                                    .focal_px = 100,
-                                    .cx = 20,
-                                    .cy = 15,
-                                    .cx_right = 20,
-                                    .baseline_m = 0.1};
+constexpr RectifiedPair kMappedPair = CentredPair(40, 30, 100);
 
 DisparityImage Plane(int px) {
   return DisparityImage(cv::Mat1s(30, 40, static_cast<int16_t>(32 * px)));

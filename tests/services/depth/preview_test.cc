@@ -5,19 +5,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/picture/color_map.h"
+#include "tests/common/core/centred.h"
 
 namespace sprout::depth {
 namespace {
 
-RectifiedPair PairOf(cv::Size size) {
-  return {.width = size.width,
-          .height = size.height,
-          .focal_px = 500,
-          .cx = size.width / 2.0,
-          .cy = size.height / 2.0,
-          .cx_right = size.width / 2.0,
-          .baseline_m = 0.1};
-}
+RectifiedPair PairOf(cv::Size size) { return CentredPair(size.width, size.height, 500); }
 
 // Far on the left, near on the right.
 DisparityImage TwoPlanes(cv::Size size) {

@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "services/refine/refiner.h"
+#include "tests/common/core/centred.h"
 
 // What the tests of refinement look at.
 namespace sprout::refine {
@@ -14,19 +15,8 @@ inline constexpr float kNoReturn = std::numeric_limits<float>::quiet_NaN();
 // A ToF camera of 10×8 pixels in the left camera's place, one ToF pixel every 10 image pixels;
 // ToF pixel (i, j) looks at image pixel (10·i, 10·j).
 inline Rig MakeRig() {
-  Rig rig;
-  rig.pair = {.width = 100,
-              .height = 80,
-              .focal_px = 100,
-              .cx = 50,
-              .cy = 40,
-              .cx_right = 52,
-              .baseline_m = 0.1};
-  rig.tof.width = 10;
-  rig.tof.height = 8;
-  rig.tof.fx = rig.tof.fy = 10;
-  rig.tof.cx = 5;
-  rig.tof.cy = 4;
+  Rig rig{CentredPair(100, 80, 100), CentredTof(10, 8, 10)};
+  rig.pair.cx_right = 52;
   return rig;
 }
 

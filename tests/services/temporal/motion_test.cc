@@ -4,18 +4,13 @@
 
 #include "services/temporal/motion_estimator.h"
 #include "services/temporal/point_tracker.h"
+#include "tests/common/core/centred.h"
 #include "tests/services/temporal/moving_scene.h"
 
 namespace sprout::temporal {
 namespace {
 
-const RectifiedPair kPair{.width = 640,
-                          .height = 480,
-                          .focal_px = 500,
-                          .cx = 320,
-                          .cy = 240,
-                          .cx_right = 320,
-                          .baseline_m = 0.2};
+const RectifiedPair kPair = CentredPair(640, 480, 500, 0.2);
 
 // Points all over the image, from 1 to 9 m.
 std::vector<SeenPoint> Points(int count, const Pose& left_from_last) {

@@ -8,6 +8,7 @@
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
 #include "services/view/frame_ring.h"
+#include "tests/common/core/centred.h"
 
 namespace sprout::view {
 
@@ -19,17 +20,7 @@ inline std::vector<uint8_t> Encoded(int64_t seq, Part part, const PartValue& val
   return EncodePart(ViewId(seq), part, value, DisparityEncoding::kRawInt16);
 }
 
-inline Rig ViewRig() {
-  Rig rig;
-  rig.pair = {.width = kViewSize.width,
-              .height = kViewSize.height,
-              .focal_px = 50,
-              .cx = 32,
-              .cy = 24,
-              .cx_right = 32,
-              .baseline_m = 0.1};
-  return rig;
-}
+inline Rig ViewRig() { return {CentredPair(kViewSize.width, kViewSize.height, 50), {}}; }
 
 inline cv::Mat ViewImage(int grey) { return cv::Mat(kViewSize, CV_8UC1, cv::Scalar(grey)); }
 

@@ -6,13 +6,13 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "common/core/image.h"
 #include "common/core/quantile.h"
 #include "common/scenes/dataset.h"
 #include "services/refine/refiner.h"
+#include "tests/common/core/centred.h"
 
 namespace sprout::refine {
 namespace {
@@ -138,13 +138,7 @@ TEST(TofAligner, BearsACalibrationThatIsNone) {
 }
 
 TEST(ApplyOffset, MovesPointsByTheOffsetWhateverTheirDepth) {
-  RectifiedPair pair{.width = 1000,
-                     .height = 800,
-                     .focal_px = 2000,
-                     .cx = 500,
-                     .cy = 400,
-                     .cx_right = 500,
-                     .baseline_m = 0.1};
+  RectifiedPair pair = CentredPair(1000, 800, 2000);
   Rig rig{.pair = pair, .tof = {}};
   rig.tof.left_from_tof_translation_m = {0.05, -0.02, 0};
   std::vector<ProjectedPoint> points;

@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "tests/common/core/centred.h"
+
 namespace sprout::refine {
 namespace {
 
@@ -13,22 +15,7 @@ constexpr double kNearPx = 40;
 constexpr double kFarPx = 20;
 
 // A ToF camera of 40×30 pixels in the left camera's place, a ToF pixel every 10 px.
-Rig EdgeRig() {
-  Rig rig;
-  rig.pair = {.width = 400,
-              .height = 300,
-              .focal_px = 500,
-              .cx = 200,
-              .cy = 150,
-              .cx_right = 200,
-              .baseline_m = 0.1};
-  rig.tof.width = 40;
-  rig.tof.height = 30;
-  rig.tof.fx = rig.tof.fy = 50;
-  rig.tof.cx = 20;
-  rig.tof.cy = 15;
-  return rig;
-}
+Rig EdgeRig() { return {CentredPair(400, 300, 500), CentredTof(40, 30, 50)}; }
 
 float Depth(double disparity_px) {
   return static_cast<float>(EdgeRig().pair.DepthFromDisparity(disparity_px));

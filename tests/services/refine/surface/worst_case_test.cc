@@ -8,6 +8,7 @@
 #include "services/refine/refiner.h"
 #include "services/refine/surface/background.h"
 #include "services/refine/surface/tof_surface.h"
+#include "tests/common/core/centred.h"
 #include "tests/common/testing/worst_seeds.h"
 
 namespace sprout::refine {
@@ -25,18 +26,7 @@ TofCamera WideTof() {
   return tof;
 }
 
-Rig WorstRig() {
-  Rig rig;
-  rig.pair = {.width = kWorstSize.width,
-              .height = kWorstSize.height,
-              .focal_px = 500,
-              .cx = 320,
-              .cy = 240,
-              .cx_right = 320,
-              .baseline_m = 0.1};
-  rig.tof = WideTof();
-  return rig;
-}
+Rig WorstRig() { return {CentredPair(kWorstSize.width, kWorstSize.height, 500), WideTof()}; }
 
 cv::Mat1b Noise(int seed) {
   cv::Mat1b noise(kWorstSize);

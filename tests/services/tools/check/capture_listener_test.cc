@@ -9,6 +9,7 @@
 
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
+#include "tests/common/core/centred.h"
 
 namespace sprout::check {
 namespace {
@@ -33,22 +34,7 @@ struct Message {
 
 using Messages = std::vector<Message>;
 
-Rig GoodRig() {
-  Rig rig;
-  rig.pair = {.width = kSize.width,
-              .height = kSize.height,
-              .focal_px = 40,
-              .cx = 15.5,
-              .cy = 11.5,
-              .cx_right = 15.5,
-              .baseline_m = 0.1};
-  rig.tof.width = 8;
-  rig.tof.height = 6;
-  rig.tof.fx = rig.tof.fy = 10;
-  rig.tof.cx = 3.5;
-  rig.tof.cy = 2.5;
-  return rig;
-}
+Rig GoodRig() { return {CentredPair(kSize.width, kSize.height, 40), CentredTof(8, 6, 10)}; }
 
 PartValue Picture(uint8_t grey, cv::Size size = kSize) {
   return cv::Mat(size, CV_8UC1, cv::Scalar(grey));

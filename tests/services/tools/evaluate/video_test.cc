@@ -11,6 +11,7 @@
 #include "common/core/read_text.h"
 #include "services/pipeline/pipeline.h"
 #include "services/tools/evaluate/video_score.h"
+#include "tests/common/core/centred.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/common/scenes/kitti_folder.h"
 #include "tests/common/testing/thrown.h"
@@ -61,13 +62,7 @@ TEST(VideoScore, ComparesChangesWithThoseOfTheTruth) {
 // A wall at 2 m that the camera goes along, 4 px a frame, and comes nearer to: what is seen at u
 // was seen 4 px to the right of it. Its errors go with it; those of the pixels do not.
 TEST(VideoScore, FollowsPointsAlongTheMotion) {
-  const RectifiedPair pair{.width = 40,
-                           .height = 4,
-                           .focal_px = 50,
-                           .cx = 20,
-                           .cy = 2,
-                           .cx_right = 20,
-                           .baseline_m = 0.4};
+  const RectifiedPair pair = CentredPair(40, 4, 50, 0.4);
   const cv::Size size(40, 4);
   const cv::Mat1f truth(size, 10.F);
   const auto map_at = [&](int frame, float more) {
@@ -197,13 +192,7 @@ TEST(TrueMotions, AreThoseOfPosesAtThePlaceOfTheLeftCamera) {
 
 TEST(AwayFromPoints, LeavesOutWhatIsNearThePointsOfThreeFrames) {
   Rig rig;  // a ToF camera of one pixel in the left camera's place
-  rig.pair = {.width = 60,
-              .height = 20,
-              .focal_px = 50,
-              .cx = 30,
-              .cy = 10,
-              .cx_right = 30,
-              .baseline_m = 0.1};
+  rig.pair = CentredPair(60, 20, 50);
   rig.tof = {.width = 1, .height = 1, .fx = 50, .fy = 50, .cx = 0, .cy = 0};
   const TofImage one{.depth_m = cv::Mat1f(1, 1, 2.F), .amplitude = {}};
   Pose aside;  // the scene goes 0.4 m to the right: 10 px at 2 m
