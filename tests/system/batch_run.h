@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -62,11 +61,6 @@ inline std::vector<double> ColumnOf(const std::filesystem::path& out, const std:
     }
   }
   return column;
-}
-
-inline std::string BytesOfFile(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 /// A log of a moving scene as a slow recorder sees it: RIGHT and TOF of a frame come when LEFT of

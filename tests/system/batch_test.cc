@@ -36,7 +36,7 @@ std::string WholeReplay(const fs::path& folder, const fs::path& log) {
   const Outcome outcome = RunProgramOf(
       {"sprout-log", "merge", records[0], records[1], records[2], "--out", merged, "--force"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
-  return BytesOfFile(merged);
+  return FileText(merged);
 }
 
 int64_t CountResults(const fs::path& out) {
@@ -62,7 +62,7 @@ TEST(BatchSystem, AnswersAreTheBytesOfReplaysByHand) {
   WriteStraddlingLog(folder / "logs" / "run.lcm", "320x240", 0, 24);
   const Outcome outcome = RunProgramOf(RunCommand(folder / "logs", folder / "out"));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-  const std::string merged = BytesOfFile(folder / "out" / "logs" / "run_a.lcm");
+  const std::string merged = FileText(folder / "out" / "logs" / "run_a.lcm");
   EXPECT_GT(merged.size(), 1000U);
   EXPECT_TRUE(merged == WholeReplay(folder / "", folder / "logs" / "run.lcm"));
 
@@ -75,8 +75,8 @@ TEST(BatchSystem, AnswersAreTheBytesOfReplaysByHand) {
   command.insert(command.end(), {"--programs-b", folder / "bin"});
   const Outcome compared = RunProgramOf(command);
   EXPECT_EQ(compared.exit_code, 0) << compared.output;
-  EXPECT_TRUE(merged == BytesOfFile(folder / "out" / "logs" / "run_b.lcm"));
-  EXPECT_THAT(BytesOfFile(folder / "out" / "report.html"), HasSubstr("A and B give the same maps"));
+  EXPECT_TRUE(merged == FileText(folder / "out" / "logs" / "run_b.lcm"));
+  EXPECT_THAT(FileText(folder / "out" / "report.html"), HasSubstr("A and B give the same maps"));
 }
 
 TEST(BatchSystem, FusedMapsAreTheBytesOfReplaysByHand) {
@@ -100,7 +100,7 @@ TEST(BatchSystem, FusedMapsAreTheBytesOfReplaysByHand) {
     ASSERT_EQ(RunProgramOf(command).exit_code, 0) << stage;
     replays.insert(replays.end(), {"--replay", whole});
   }
-  EXPECT_TRUE(BytesOfFile(folder / "out" / "logs" / "run_a.lcm") == BytesOfFile(whole));
+  EXPECT_TRUE(FileText(folder / "out" / "logs" / "run_a.lcm") == FileText(whole));
   // A and B differ from the third frame that has an answer on, not in the first.
   const auto changed = ColumnOf(folder / "out", "changed");
   const auto shares = ColumnOf(folder / "out", "a_valid_share");
@@ -117,7 +117,7 @@ TEST(BatchSystem, TheSameCommandAgainDoesWhatIsMissingAndNothingElse) {
   WriteStraddlingLog(folder / "logs" / "two.lcm", "160x120", 16, 5);
   const auto command = RunCommand(folder / "logs", folder / "out");
   ASSERT_EQ(RunProgramOf(command).exit_code, 0);
-  const auto whole = BytesOfFile(folder / "out" / "logs" / "run_a.lcm");
+  const auto whole = FileText(folder / "out" / "logs" / "run_a.lcm");
   EXPECT_THAT(RunProgramOf(command).output, HasSubstr("2 logs, 0 of them to do"));
 
   const batch::Manifest manifest = batch::ReadManifest(folder / "out" / "manifest.textproto");
@@ -125,7 +125,7 @@ TEST(BatchSystem, TheSameCommandAgainDoesWhatIsMissingAndNothingElse) {
   const Outcome again = RunProgramOf(command);
   EXPECT_THAT(again.output, HasSubstr("2 logs, 1 of them to do"));
   EXPECT_EQ(CountResults(folder / "out"), 2);
-  EXPECT_TRUE(BytesOfFile(folder / "out" / "logs" / "run_a.lcm") == whole);
+  EXPECT_TRUE(FileText(folder / "out" / "logs" / "run_a.lcm") == whole);
 
   // A log that changed is another one.
   WriteStraddlingLog(folder / "logs" / "two.lcm", "160x120", 21, 5);
@@ -139,7 +139,7 @@ TEST(BatchSystem, TheSameCommandAgainDoesWhatIsMissingAndNothingElse) {
   const Outcome compared = RunProgramOf(compare);
   EXPECT_EQ(compared.exit_code, 0) << compared.output;
   EXPECT_EQ(CountResults(folder / "out"), 3 + 2);
-  const std::string report = BytesOfFile(folder / "out" / "report.html");
+  const std::string report = FileText(folder / "out" / "report.html");
   EXPECT_THAT(report, HasSubstr("The most changed frames"));
   EXPECT_THAT(report, HasSubstr("sigma_p_px: 3"));
   EXPECT_THAT(report, HasSubstr("data:image/jpeg;base64,"));
@@ -171,7 +171,7 @@ TEST(BatchSystem, CtrlCLeavesWhatIsWholeAndTheSameCommandGoesOn) {
   const Outcome outcome = RunProgramOf(command);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_THAT(outcome.output, HasSubstr("2 logs, 1 of them to do"));
-  EXPECT_TRUE(BytesOfFile(folder / "out" / "logs" / "run_a.lcm") ==
+  EXPECT_TRUE(FileText(folder / "out" / "logs" / "run_a.lcm") ==
               WholeReplay(folder / "", folder / "logs" / "run.lcm"));
 }
 
@@ -186,7 +186,7 @@ TEST(BatchSystem, ALogWithoutACompleteFrameIsListedAndIsNoFailure) {
   const Outcome outcome = RunProgramOf(command);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_EQ(ColumnOf(folder / "out", "seq").size(), 5U);
-  EXPECT_THAT(BytesOfFile(folder / "out" / "report.html"), HasSubstr("<tr><td>other</td><td>1<"));
+  EXPECT_THAT(FileText(folder / "out" / "report.html"), HasSubstr("<tr><td>other</td><td>1<"));
   EXPECT_THAT(RunProgramOf(command).output, HasSubstr("2 logs, 0 of them to do"));
   // Alone it is one: probably flags are wrong.
   fs::remove(folder / "logs" / "run.lcm");
@@ -227,7 +227,7 @@ TEST(BatchSystem, ATruthSaysWhichOfTheTwoIsNearerToIt) {
       EXPECT_GT(b[i], 0);
     }
   }
-  EXPECT_THAT(BytesOfFile(folder / "out" / "report.html"), HasSubstr("against the truth"));
+  EXPECT_THAT(FileText(folder / "out" / "report.html"), HasSubstr("against the truth"));
   command.back() = folder / "none";
   EXPECT_EQ(RunProgramOf(command).exit_code, 2);
 }
@@ -248,7 +248,7 @@ TEST(BatchSystem, FramesAreComparedWithoutBeingMeasured) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_EQ(ColumnOf(folder / "out", "moved"), moved);
   for (const double score : ColumnOf(folder / "out", "a_score")) EXPECT_TRUE(std::isnan(score));
-  const std::string report = BytesOfFile(folder / "out" / "report.html");
+  const std::string report = FileText(folder / "out" / "report.html");
   EXPECT_THAT(report, HasSubstr("The most changed frames"));
   EXPECT_THAT(report, testing::Not(HasSubstr("The worst frames")));
 }
@@ -280,7 +280,7 @@ TEST(BatchSystem, AnotherBuildIsComparedAndItsFailuresAreReported) {
               HasSubstr("sprout-prior ended with exit code 3: no luck today; will be "
                         "tried again"));
   for (const double moved : ColumnOf(folder / "out", "moved")) EXPECT_GT(moved, 0);
-  const std::string report = BytesOfFile(folder / "out" / "report.html");
+  const std::string report = FileText(folder / "out" / "report.html");
   EXPECT_THAT(report, HasSubstr("The configurations are the same; the programs differ."));
   EXPECT_THAT(report, HasSubstr((folder / "bin" / "sprout-grow").string() + " --config"));
   EXPECT_THAT(report, HasSubstr("done after 1 failed try"));
@@ -311,7 +311,7 @@ TEST(BatchSystem, TheReportsCommandsComputeAFrameOfALogWithAShellsNameAgain) {
   WriteStraddlingLog(folder / "logs/x'$(touch PWNED)'.lcm", "160x120", 0, 5);
   const Outcome outcome = RunProgramOf(RunCommand(folder / "logs", folder / "out"));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-  std::string commands = FirstCommands(BytesOfFile(folder / "out" / "report.html"));
+  std::string commands = FirstCommands(FileText(folder / "out" / "report.html"));
   ASSERT_THAT(commands, HasSubstr("touch PWNED"));
   ASSERT_THAT(commands, HasSubstr("sprout-view"));
   commands.erase(0, commands.find('\n') + 1);  // it would wait for a browser
@@ -337,7 +337,7 @@ TEST(BatchSystem, LogsWhoseNamesCannotBeUsedAreNamedAndTheOthersComputed) {
   EXPECT_THAT(outcome.output, HasSubstr("c\\x0ad.lcm: is not allowed in the manifest"));
   EXPECT_THAT(outcome.output, testing::Not(HasSubstr("will be tried again")));
   EXPECT_GT(fs::file_size(folder / "out/logs/a_a.lcm"), 1000U);
-  EXPECT_THAT(BytesOfFile(folder / "out" / "report.html"), HasSubstr("b\\xe4.lcm"));
+  EXPECT_THAT(FileText(folder / "out" / "report.html"), HasSubstr("b\\xe4.lcm"));
   const Outcome status = RunProgramOf({"sprout-batch", "status", folder / "out"});
   EXPECT_EQ(status.exit_code, 1);
   EXPECT_THAT(status.output, HasSubstr("c\\x0ad.lcm"));
@@ -383,9 +383,9 @@ TEST(BatchSlurm, ThirtyLogsGiveTheBytesOfTheLocalEngineThoughANodeAndATaskAreKil
       << RunProgramOf({"sprout-batch", "status", slurm}).output;
   for (int i = 0; i < kLogs; ++i) {
     const std::string name = "run" + std::to_string(i) + "_a.lcm";
-    const std::string bytes = BytesOfFile(slurm / "logs" / name);
+    const std::string bytes = FileText(slurm / "logs" / name);
     EXPECT_GT(bytes.size(), 1000U) << name;
-    EXPECT_TRUE(bytes == BytesOfFile(local / "logs" / name)) << name;
+    EXPECT_TRUE(bytes == FileText(local / "logs" / name)) << name;
   }
 }
 

@@ -1,8 +1,9 @@
 #ifndef SPROUT_TESTS_COMMON_APP_RUN_MAIN_H_
 #define SPROUT_TESTS_COMMON_APP_RUN_MAIN_H_
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,17 @@ MainOutcome RunMain(const std::vector<std::string>& words, const Main& main) {
   const int exit_code = main(static_cast<int>(argv.size()), argv.data());
   return {exit_code, ::testing::internal::GetCapturedStdout(),
           ::testing::internal::GetCapturedStderr()};
+}
+
+/// Expects an exit code, nothing on stdout, and one line of the program on stderr that holds
+/// `reason`.
+inline void ExpectRefused(const MainOutcome& outcome, int exit_code, const std::string& program,
+                          const std::string& reason) {
+  EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_THAT(outcome.err, ::testing::StartsWith(program + ": "));
+  EXPECT_THAT(outcome.err, ::testing::HasSubstr(reason));
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
 }
 
 }  // namespace sprout

@@ -9,7 +9,6 @@
 #include <csignal>
 #include <fstream>
 #include <iostream>
-#include <iterator>
 
 #include "common/core/input_files.h"
 #include "tests/common/picture/temporary_directory.h"
@@ -19,11 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
-
-std::string Text(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 std::string WriteAndCommit(const fs::path& path, const std::string& text) {
   OutputFile file(path);
@@ -38,9 +32,9 @@ TEST(OutputFile, ReplacesARegularFileWhenItIsWhole) {
   OutputFile file(folder / "a");
   EXPECT_TRUE(file.replaces());
   file.Write("new");
-  EXPECT_EQ(Text(folder / "a"), "older");
+  EXPECT_EQ(FileText(folder / "a"), "older");
   ASSERT_TRUE(file.Commit());
-  EXPECT_EQ(Text(folder / "a"), "new");
+  EXPECT_EQ(FileText(folder / "a"), "new");
   EXPECT_EQ(folder.CountEntries(), 1);
 }
 
@@ -75,12 +69,12 @@ TEST(OutputFile, LeavesWhatTheProgramReads) {
   fs::create_directory(folder / "below");
   EXPECT_THAT(WriteAndCommit(folder / "read", "new"), HasSubstr("an input of this run"));
   EXPECT_THAT(WriteAndCommit(other_way, "new"), HasSubstr("an input of this run"));
-  EXPECT_EQ(Text(folder / "read"), "older");
+  EXPECT_EQ(FileText(folder / "read"), "older");
   EXPECT_EQ(WriteAndCommit(folder / "beside", "new"), "");
   OutputFile in_place(folder / "read", OutputFile::OverInput::kAllowed);
   in_place.Write("new");
   EXPECT_TRUE(in_place.Commit());
-  EXPECT_EQ(Text(folder / "read"), "new");
+  EXPECT_EQ(FileText(folder / "read"), "new");
 }
 
 TEST(OutputFile, ReplacesWhatAnEarlierProgramOfTheProcessHasRead) {
@@ -100,7 +94,7 @@ TEST(OutputFile, RefusesWhatBecameAnInputMeanwhile) {
   OutputFile file(folder / "read");
   NoteInputFile(folder / "read");
   EXPECT_FALSE(file.Commit());
-  EXPECT_EQ(Text(folder / "read"), "older");
+  EXPECT_EQ(FileText(folder / "read"), "older");
   EXPECT_EQ(folder.CountEntries(), 1);
 }
 
@@ -124,7 +118,7 @@ TEST(OutputFile, CarriesMoreThanItsBuffer) {
     expected += piece;
   }
   ASSERT_TRUE(file.Commit());
-  EXPECT_EQ(Text(folder / "a") == expected, true);
+  EXPECT_EQ(FileText(folder / "a") == expected, true);
 }
 
 TEST(OutputFile, TouchesNobodyElsesPart) {
@@ -132,8 +126,8 @@ TEST(OutputFile, TouchesNobodyElsesPart) {
   std::ofstream(folder / "a.part") << "mine";
   fs::create_symlink("nowhere", folder / "a.part2");
   EXPECT_EQ(WriteAndCommit(folder / "a", "new"), "");
-  EXPECT_EQ(Text(folder / "a"), "new");
-  EXPECT_EQ(Text(folder / "a.part"), "mine");
+  EXPECT_EQ(FileText(folder / "a"), "new");
+  EXPECT_EQ(FileText(folder / "a.part"), "mine");
   EXPECT_TRUE(fs::is_symlink(folder / "a.part2"));
   EXPECT_EQ(folder.CountEntries(), 3);
 }
@@ -146,7 +140,7 @@ TEST(OutputFile, OfTwoWritersOfOneNameTheLastOneWins) {
   second.Write("second");
   EXPECT_TRUE(second.Commit());
   EXPECT_TRUE(first.Commit());
-  EXPECT_EQ(Text(folder / "a"), "first");
+  EXPECT_EQ(FileText(folder / "a"), "first");
   EXPECT_EQ(folder.CountEntries(), 1);
 }
 
@@ -166,7 +160,7 @@ TEST(OutputFile, RefusesWhatIsNoRegularFile) {
     EXPECT_EQ(WriteAndCommit(folder / name, "new"),
               "cannot write " + (folder / name).string() + ": " + reason + allowed);
   }
-  EXPECT_EQ(Text(folder / "link"), "kept");
+  EXPECT_EQ(FileText(folder / "link"), "kept");
   EXPECT_TRUE(fs::is_fifo(folder / "fifo"));
   EXPECT_EQ(folder.CountEntries(), 5);
 }

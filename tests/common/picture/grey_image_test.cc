@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <fstream>
 #include <functional>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
@@ -14,6 +13,7 @@
 #include "common/picture/picture.h"
 #include "common/picture/write_image.h"
 #include "common/picture/write_ply.h"
+#include "tests/common/core/centred.h"
 #include "tests/common/picture/temporary_directory.h"
 
 namespace sprout {
@@ -37,15 +37,7 @@ DisparityImage Slope(cv::Size size) {
   return disparity;
 }
 
-RectifiedPair PairOf(cv::Size size) {
-  return {.width = size.width,
-          .height = size.height,
-          .focal_px = 50,
-          .cx = size.width / 2.0,
-          .cy = size.height / 2.0,
-          .cx_right = size.width / 2.0,
-          .baseline_m = 0.1};
-}
+RectifiedPair PairOf(cv::Size size) { return CentredPair(size.width, size.height, 50); }
 
 void ExpectSamePicture(const std::function<cv::Mat3b(const cv::Mat&)>& picture_of) {
   for (const cv::Size size : kSizes) {
@@ -83,11 +75,6 @@ TEST(CloudView, ShowsTheColoursOfTheLeftImage) {
   EXPECT_GT(std::count(view.begin(), view.end(), cv::Vec3b(10, 90, 170)), 100);
 }
 
-std::string BytesOf(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 TEST(GreyImage, ColoursACloudAndAMeshAsItsColoursDo) {
   const TemporaryDirectory directory;
   for (const cv::Size size : kSizes) {
@@ -97,7 +84,7 @@ TEST(GreyImage, ColoursACloudAndAMeshAsItsColoursDo) {
       ASSERT_TRUE(write(directory / "grey.ply", PairOf(size), Slope(size), grey, cv::Mat()));
       ASSERT_TRUE(
           write(directory / "colour.ply", PairOf(size), Slope(size), ToBgr(grey), cv::Mat()));
-      EXPECT_EQ(BytesOf(directory / "grey.ply"), BytesOf(directory / "colour.ply"));
+      EXPECT_EQ(FileText(directory / "grey.ply"), FileText(directory / "colour.ply"));
     }
   }
 }

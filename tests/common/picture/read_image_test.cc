@@ -35,9 +35,7 @@ class ReadImageFile : public testing::Test {
   }
 
   static int64_t Find(const std::string& file, const std::string& what) {
-    std::ifstream stream(file, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
-    return static_cast<int64_t>(bytes.find(what));
+    return static_cast<int64_t>(FileText(file).find(what));
   }
 
   static std::string ErrorOf(const std::string& file) {
@@ -150,8 +148,7 @@ TEST_F(ReadImageFile, FindsTheEndOfAJpegBehindAThumbnailAndBeforeOtherBytes) {
   std::ofstream(file, std::ios::binary | std::ios::app) << "a camera's own data \xff\xe1";
   EXPECT_EQ(ErrorOf(file), "no error");
   // The same with a segment that holds an end of its own, whole and cut.
-  std::ifstream stream(file, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  const std::string bytes = FileText(file);
   const std::string with_thumbnail = "\xff\xd8\xff\xe1\x00\x06\xff\xd8\xff\xd9"s + bytes.substr(2);
   std::ofstream(File("b.jpg"), std::ios::binary) << with_thumbnail;
   EXPECT_EQ(ErrorOf(File("b.jpg")), "no error");

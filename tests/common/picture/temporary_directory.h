@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <string>
 
@@ -32,6 +33,12 @@ class TemporaryDirectory {
  private:
   std::filesystem::path path_;
 };
+
+/// What is in a file, byte by byte; empty if there is none.
+inline std::string FileText(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
 
 }  // namespace sprout
 

@@ -4,7 +4,6 @@
 #include <sys/resource.h>
 
 #include <csignal>
-#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
 #include "tests/common/picture/temporary_directory.h"
@@ -47,8 +46,7 @@ TEST(WritePfm, PutsTheBottomRowFirst) {
   disparity.counts()(0, 0) = ToCounts(1);
   disparity.counts()(1, 0) = ToCounts(2);
   ASSERT_TRUE(WritePfm(directory / "map.pfm", disparity));
-  std::ifstream file(directory / "map.pfm", std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const std::string bytes = FileText(directory / "map.pfm");
   using std::string_literals::operator""s;
   EXPECT_EQ(bytes, "Pf\n1 2\n-1.0\n\0\0\0\x40\0\0\x80\x3f"s);  // 2.0 and 1.0
 }

@@ -223,8 +223,7 @@ TEST(WritePly, HasTheConfidenceOfEachVertexWhenThereIsOne) {
   }
   for (const auto& write : {WriteMeshPly, WriteCloudPly}) {
     ASSERT_TRUE(write(directory / "surface.ply", kPair, disparity, Left(), confidence));
-    std::ifstream file(directory / "surface.ply", std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    const std::string text = FileText(directory / "surface.ply");
     EXPECT_THAT(text, HasSubstr("property uchar blue\nproperty uchar confidence\n"));
     const char* const vertices = text.data() + text.find("end_header\n") + 11;
     constexpr int kVertexBytes = 3 * 4 + 3 + 1;

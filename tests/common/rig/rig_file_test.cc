@@ -115,9 +115,7 @@ TEST_F(RigFile, MayBeginWithAByteOrderMark) {
   RigDescription rig;
   rig.mutable_left()->set_serial("42");
   ASSERT_TRUE(SaveRigFile(path_, rig));
-  std::ostringstream text;
-  text << std::ifstream(path_).rdbuf();
-  Write("\xef\xbb\xbf" + text.str());
+  Write("\xef\xbb\xbf" + FileText(path_));
   EXPECT_EQ(LoadRigFile(path_).left().serial(), "42");
 }
 

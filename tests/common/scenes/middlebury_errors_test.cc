@@ -2,8 +2,6 @@
 #include <sys/stat.h>
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <opencv2/core.hpp>
 
 #include "common/scenes/middlebury_calibration.h"
@@ -224,8 +222,7 @@ TEST(MiddleburyErrors, ReadsAPfmWithLineEndsOfWindows) {
   const SceneFolder folder;
   folder.Write2014();
   const cv::Mat1f before = folder.Open()->Get(0).truth.left;
-  std::ifstream file(folder.File("disp0.pfm"), std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), {}};
+  std::string text = FileText(folder.File("disp0.pfm"));
   for (size_t line = 0, at = 0; line < 3; ++line, at += 2) {
     at = text.find('\n', at);
     text.replace(at, 1, "\r\n");

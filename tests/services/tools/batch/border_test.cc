@@ -21,13 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 using testing::SizeIs;
-
-std::string TextOf(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 void WriteFile(const fs::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
@@ -109,7 +103,7 @@ TEST(FrameCommands, StandForThemselvesInAShellWhateverIsInTheNames) {
   for (const char* const shell : {"sh", "bash"}) {
     Process process({"env", "CALLS=" + (folder / "calls").string(), shell, folder / "commands"});
     EXPECT_EQ(process.Wait(std::chrono::seconds(120)), 0) << process.Output();
-    EXPECT_EQ(TextOf(folder / "calls"), calls) << shell;
+    EXPECT_EQ(FileText(folder / "calls"), calls) << shell;
     fs::remove(folder / "calls");
     EXPECT_EQ(folder.CountEntries(), 2);  // nothing but bin and commands: nobody touched PWNED
   }
@@ -158,7 +152,7 @@ class AResult : public testing::Test {
   }
 
   void Flip(const char* name) const {
-    std::string bytes = TextOf(path_ / name);
+    std::string bytes = FileText(path_ / name);
     bytes[bytes.size() / 2] ^= 1;
     WriteFile(path_ / name, bytes);
   }
@@ -205,10 +199,10 @@ TEST_F(AResult, IsReplacedWhenItIsDamagedAndKeptWhenNot) {
     again.Commit();
   };
   write_again();
-  EXPECT_THAT(TextOf(path_ / "grow.lcm"), SizeIs(1000));
+  EXPECT_THAT(FileText(path_ / "grow.lcm"), SizeIs(1000));
   Flip("grow.lcm");
   write_again();
-  EXPECT_EQ(TextOf(path_ / "grow.lcm"), "new");
+  EXPECT_EQ(FileText(path_ / "grow.lcm"), "new");
   EXPECT_EQ(folder_.CountEntries(), 1);
 }
 
@@ -238,13 +232,13 @@ TEST_F(LinkedAnswers, AreThoseOfLogsThatAreDone) {
   const BatchState state = LinkAnswers(batch_, manifest_);
   EXPECT_THAT(state.done, ElementsAre(true, false));
   EXPECT_EQ(state.missing, 1);
-  EXPECT_THAT(TextOf(link_), SizeIs(1000));
+  EXPECT_THAT(FileText(link_), SizeIs(1000));
   EXPECT_TRUE(fs::read_symlink(link_).is_relative());  // the folder may be moved
   EXPECT_FALSE(fs::exists(batch_.answers(manifest_.log(1), 0)));
 }
 
 TEST_F(LinkedAnswers, AreNotThoseWithAFlippedBit) {
-  std::string bytes = TextOf(batch_.result(manifest_, 0, 0) / kAnswers);
+  std::string bytes = FileText(batch_.result(manifest_, 0, 0) / kAnswers);
   bytes[500] ^= 4;
   WriteFile(batch_.result(manifest_, 0, 0) / kAnswers, bytes);
   EXPECT_EQ(LinkAnswers(batch_, manifest_).missing, 2);

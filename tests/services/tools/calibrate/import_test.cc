@@ -2,12 +2,10 @@
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 
-#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/persistence.hpp>
-#include <sstream>
 
 #include "common/config/config_error.h"
 #include "services/tools/calibrate/import/foreign_rig.h"
@@ -137,9 +135,7 @@ TEST_F(Import, OpencvsRectificationInsteadOfRAndT) {
        << "RIGHT_D" << cv::Mat(truth_.d2) << "RIGHT_R" << r2 << "RIGHT_P" << p2;
   file.release();
   // OpenCV reads dots, which it does not write.
-  std::ostringstream written;
-  written << std::ifstream(path).rdbuf();
-  std::string text = written.str();
+  std::string text = FileText(path);
   std::ranges::replace(text, '_', '.');
   std::ofstream(path) << text;
   const ForeignRig rig = ReadForeignRig({folder_ / "euroc.yaml"});

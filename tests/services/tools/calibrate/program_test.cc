@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
-#include <sstream>
 
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
@@ -22,17 +21,10 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
-using ::testing::StartsWith;
 
 MainOutcome RunCalibrate(std::vector<std::string> words) {
   words.insert(words.begin(), "sprout-calibrate");
   return RunMain(words, CalibrateMain);
-}
-
-std::string ReadText(const std::filesystem::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
 }
 
 class CalibrateProgram : public testing::Test {
@@ -65,12 +57,7 @@ class CalibrateProgram : public testing::Test {
   // Exit code, nothing on stdout, one line on stderr that holds `reason`.
   void ExpectRefused(const std::vector<std::string>& arguments, int exit_code,
                      const std::string& reason) const {
-    const MainOutcome outcome = RunCalibrate(arguments);
-    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
-    EXPECT_EQ(outcome.out, "");
-    EXPECT_THAT(outcome.err, StartsWith("sprout-calibrate: "));
-    EXPECT_THAT(outcome.err, HasSubstr(reason));
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    sprout::ExpectRefused(RunCalibrate(arguments), exit_code, "sprout-calibrate", reason);
     EXPECT_FALSE(std::filesystem::exists(folder_ / "out.textproto"));
   }
 
@@ -86,12 +73,12 @@ TEST_F(CalibrateProgram, WritesABoard) {
 
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("a board of 330 x 240 mm on a page of 360 x 285 mm; "));
-  EXPECT_THAT(ReadText(folder_ / "board.svg"), HasSubstr("viewBox=\"0 0 1020.472441 "));
+  EXPECT_THAT(FileText(folder_ / "board.svg"), HasSubstr("viewBox=\"0 0 1020.472441 "));
 }
 
 TEST_F(CalibrateProgram, PrintsTheSizesThatItsReadmeSays) {
   const std::string readme =
-      ReadText(std::string(SPROUT_SOURCE_DIR) + "/services/tools/calibrate/README.md");
+      FileText(std::string(SPROUT_SOURCE_DIR) + "/services/tools/calibrate/README.md");
   const MainOutcome outcome = RunCalibrate({"board", "--out", File("board.svg")});
   EXPECT_THAT(outcome.out, HasSubstr("a board of 540 x 360 mm on a page of 570 x 405 mm"));
   EXPECT_THAT(readme, HasSubstr("540 × 360 mm, on a page of 570 × 405 mm"));
@@ -125,7 +112,7 @@ TEST_F(CalibrateProgram, MakesARigFileAndAReportOfALog) {
   EXPECT_NEAR(found->range_scale + found->range_offset_m, rig_.range_scale + rig_.range_offset_m,
               0.001);  // at 1 m
 
-  const std::string report = ReadText(folder_ / "report.html");
+  const std::string report = FileText(folder_ / "report.html");
   EXPECT_THAT(report, HasSubstr("not good enough</span></h1>\n<ul>\n<li>"));
   EXPECT_THAT(report, HasSubstr("<h2>The rectified pair</h2>\n<figure><img"));
   EXPECT_THAT(report, HasSubstr("<h2>ToF points on the left image</h2>\n<figure><img"));
@@ -136,14 +123,14 @@ TEST_F(CalibrateProgram, LeavesTheRigFileWhenTheNewCalibrationIsNotGood) {
   RigDescription good;
   *good.mutable_calibration() = ToCalibration(rig_);
   ASSERT_TRUE(SaveRigFile(folder_ / "rig.textproto", good));
-  const std::string before = ReadText(folder_ / "rig.textproto");
+  const std::string before = FileText(folder_ / "rig.textproto");
 
   const MainOutcome outcome = RunCalibrate({"estimate", WriteLog("raw.lcm", 8), "--rig",
                                             File("rig.textproto"), "--out", File("rig.textproto")});
 
   EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("calibration: not good enough"));
-  EXPECT_EQ(ReadText(folder_ / "rig.textproto"), before);
+  EXPECT_EQ(FileText(folder_ / "rig.textproto"), before);
   EXPECT_TRUE(CalibrationOf(LoadRigFile(folder_ / "rig.not_good.textproto")));
 }
 

@@ -5,7 +5,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
-#include <sstream>
 
 #include "common/config/config.h"
 #include "tests/common/app/run_main.h"
@@ -52,14 +51,8 @@ MainOutcome Evaluate(std::vector<std::string> words) {
 
 const char* const kScene = "synthetic:96x72";
 
-std::string Text(const std::filesystem::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
-
 nlohmann::json WithoutTimes(const std::filesystem::path& path) {
-  nlohmann::json json = nlohmann::json::parse(Text(path));
+  nlohmann::json json = nlohmann::json::parse(FileText(path));
   for (auto& scene : json["scenes"]) {
     for (auto& method : scene["methods"]) method.erase("ms");
   }
@@ -67,12 +60,7 @@ nlohmann::json WithoutTimes(const std::filesystem::path& path) {
 }
 
 void ExpectRefused(const std::vector<std::string>& arguments, const std::string& reason) {
-  const MainOutcome outcome = Evaluate(arguments);
-  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
-  EXPECT_EQ(outcome.out, "");
-  EXPECT_THAT(outcome.err, StartsWith("sprout-evaluate: "));
-  EXPECT_THAT(outcome.err, HasSubstr(reason));
-  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  ExpectRefused(Evaluate(arguments), 2, "sprout-evaluate", reason);
 }
 
 TEST(EvaluateProgram, PrintsTablesAndNoProgressIntoAPipe) {
@@ -237,8 +225,8 @@ TEST(EvaluateProgram, RefusesOutputsThatCannotBeWritten) {
   std::ofstream(folder / "new.json.part") << "somebody else's";
   ExpectRefused({kScene, "--json", folder / "new.json", "--csv", folder / "link"}, "--csv");
   EXPECT_EQ(folder.CountEntries(), 3);
-  EXPECT_EQ(Text(folder / "file"), "kept");
-  EXPECT_EQ(Text(folder / "new.json.part"), "somebody else's");
+  EXPECT_EQ(FileText(folder / "file"), "kept");
+  EXPECT_EQ(FileText(folder / "new.json.part"), "somebody else's");
 }
 
 TEST(EvaluateProgram, KeepsAnOlderFileWhenTheRunIsRefused) {
@@ -246,7 +234,7 @@ TEST(EvaluateProgram, KeepsAnOlderFileWhenTheRunIsRefused) {
   std::ofstream(folder / "a.json") << "older";
   ExpectRefused({kScene, "--json", folder / "a.json", "--csv", folder / "missing" / "a.csv"},
                 "--csv");
-  EXPECT_EQ(Text(folder / "a.json"), "older");
+  EXPECT_EQ(FileText(folder / "a.json"), "older");
   EXPECT_EQ(folder.CountEntries(), 1);
 }
 
@@ -264,14 +252,14 @@ TEST(EvaluateProgram, ScoresTheAnswersOfALogAgainstTheTruthOfItsSource) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("3 frames, 2 with a disparity map, 2 with ground truth"));
   EXPECT_THAT(outcome.out, HasSubstr("\n| disparity |"));
-  const auto frames = nlohmann::json::parse(Text(json_file))["frames"];
+  const auto frames = nlohmann::json::parse(FileText(json_file))["frames"];
   ASSERT_EQ(frames.size(), 3U);
   EXPECT_EQ(frames[0]["maps"]["disparity"]["correct_le1"], 100);
   EXPECT_EQ(frames[1]["maps"]["disparity"]["correct_le1"], 0);
   EXPECT_NEAR(frames[1]["maps"]["disparity"]["mean_abs_px"], 2, 0.02);
   EXPECT_GT(frames[0]["score"], frames[1]["score"]);
   EXPECT_TRUE(frames[2]["score"].is_null());
-  EXPECT_THAT(Text(folder / "log.csv"), StartsWith("seq,utime,score,valid_share,"));
+  EXPECT_THAT(FileText(folder / "log.csv"), StartsWith("seq,utime,score,valid_share,"));
 }
 
 TEST(EvaluateProgram, JudgesALogWithoutTruthByItsQuality) {

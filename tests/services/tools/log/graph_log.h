@@ -153,12 +153,7 @@ class LogFolder {
 
 /// Exit code 2, one line that holds `reason`, nothing on stdout.
 inline void ExpectRefused(const std::vector<std::string>& arguments, const std::string& reason) {
-  const MainOutcome outcome = RunLog(arguments);
-  EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
-  EXPECT_EQ(outcome.out, "");
-  EXPECT_THAT(outcome.err, testing::StartsWith("sprout-log: "));
-  EXPECT_THAT(outcome.err, testing::HasSubstr(reason));
-  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  ExpectRefused(RunLog(arguments), 2, "sprout-log", reason);
 }
 
 /// Times and contents, without what writing a log adds.

@@ -214,9 +214,8 @@ TEST(LogExport, WritesSurfaces) {
   EXPECT_EQ(RunLog({"export", log, folder.File("out"), "--mesh"}).exit_code, 0);
   EXPECT_THAT(FilesIn(folder.File("out")),
               UnorderedElementsAre("000000_mesh.ply", "000001_mesh.ply"));
-  std::ifstream mesh(folder.File("out") + "/000001_mesh.ply", std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(mesh), {}};
-  EXPECT_THAT(text, ContainsRegex("element face [1-9]"));
+  EXPECT_THAT(FileText(folder.File("out") + "/000001_mesh.ply"),
+              ContainsRegex("element face [1-9]"));
 }
 
 TEST(LogExport, WritesDepthsInMillimetresAndTheIntrinsics) {

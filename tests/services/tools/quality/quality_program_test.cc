@@ -3,7 +3,6 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "common/core/disparity_image.h"
 #include "common/messages/codec.h"
@@ -19,7 +18,6 @@ namespace {
 using sprout::testing::FlatTarget;
 using sprout::testing::TargetNoise;
 using sprout::testing::TargetPair;
-using ::testing::AllOf;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -28,12 +26,6 @@ using ::testing::StartsWith;
 MainOutcome RunQuality(std::vector<std::string> words) {
   words.insert(words.begin(), "sprout-quality");
   return RunMain(words, QualityMain);
-}
-
-std::string TextOf(const std::filesystem::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
 }
 
 class QualityProgram : public ::testing::Test {
@@ -96,17 +88,13 @@ class QualityProgram : public ::testing::Test {
     return File(name);
   }
 
-  nlohmann::json Json() const { return nlohmann::json::parse(TextOf(folder_ / "q.json")); }
+  nlohmann::json Json() const { return nlohmann::json::parse(FileText(folder_ / "q.json")); }
 
   // Exit code, nothing on stdout, one line on stderr that holds `reason`, no file.
   void ExpectRefused(std::vector<std::string> arguments, int exit_code,
                      const std::string& reason) const {
     arguments.insert(arguments.end(), {"--json", File("q.json"), "--report", File("q.html")});
-    const MainOutcome outcome = RunQuality(arguments);
-    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
-    EXPECT_EQ(outcome.out, "");
-    EXPECT_THAT(outcome.err, AllOf(StartsWith("sprout-quality: "), HasSubstr(reason)));
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    sprout::ExpectRefused(RunQuality(arguments), exit_code, "sprout-quality", reason);
     EXPECT_FALSE(std::filesystem::exists(folder_ / "q.json"));
     EXPECT_FALSE(std::filesystem::exists(folder_ / "q.html"));
   }
@@ -144,7 +132,7 @@ TEST_F(QualityProgram, WritesFiguresAndAPageAndPictures) {
   EXPECT_EQ(json["good"], nullptr);
   EXPECT_NEAR(json["figures"]["z_accuracy_percent"], 100 * (1.5 - 1.6) / 1.6, 0.05);
   EXPECT_EQ(json["figures"]["sigma_ratio"], nullptr);
-  const std::string page = TextOf(folder_ / "q.html");
+  const std::string page = FileText(folder_ / "q.html");
   for (const char* part : {"<h2>Plane</h2>", "<h2>Residuals</h2>", "<h2>Temporal noise</h2>",
                            "<svg", "20,30,200,100", "data:image/png;base64,", "z = 1.500"}) {
     EXPECT_THAT(page, HasSubstr(part));
@@ -176,8 +164,8 @@ TEST_F(QualityProgram, TheSameInputGivesTheSameBytes) {
   const std::string log = WriteLog("run.lcm", Maps(2));
   RunQuality({log, "--json", File("a.json"), "--report", File("a.html")});
   RunQuality({log, "--json", File("b.json"), "--report", File("b.html")});
-  EXPECT_EQ(TextOf(folder_ / "a.json"), TextOf(folder_ / "b.json"));
-  EXPECT_EQ(TextOf(folder_ / "a.html"), TextOf(folder_ / "b.html"));
+  EXPECT_EQ(FileText(folder_ / "a.json"), FileText(folder_ / "b.json"));
+  EXPECT_EQ(FileText(folder_ / "a.html"), FileText(folder_ / "b.html"));
 }
 
 TEST_F(QualityProgram, SaysByItsExitCodeWhetherLimitsAreKept) {
@@ -261,7 +249,7 @@ TEST_F(QualityProgram, ATargetWithoutPixelsIsNotGood) {
   EXPECT_THAT(outcome.out, ContainsRegex("fill rate +0.00 %\n"));
   EXPECT_THAT(outcome.out, HasSubstr("2 without a plane"));
   EXPECT_THAT(outcome.out, HasSubstr("no plane: too few pixels of the region have a disparity\n"));
-  EXPECT_THAT(TextOf(folder_ / "q.html"), HasSubstr("No plane was found."));
+  EXPECT_THAT(FileText(folder_ / "q.html"), HasSubstr("No plane was found."));
 }
 
 TEST_F(QualityProgram, RefusesInputThatCannotBeMeasured) {
@@ -316,14 +304,14 @@ TEST_F(QualityProgram, RefusesFoldersThatCannotBeMeasured) {
 
 TEST_F(QualityProgram, ReplacesNothingThatItReads) {
   const std::string folder = WriteFolder("maps", Maps(2));
-  const std::string calibration = TextOf(folder + "/calib.txt");
+  const std::string calibration = FileText(folder + "/calib.txt");
   for (const std::string name : {"calib.txt", "0_disparity.pfm"}) {
     const MainOutcome outcome = RunQuality({folder, "--report", folder + "/" + name});
     EXPECT_EQ(outcome.exit_code, 2) << name;
     EXPECT_THAT(outcome.err, HasSubstr("--report " + folder + "/" + name)) << name;
     EXPECT_THAT(outcome.err, HasSubstr("an input of this run")) << name;
   }
-  EXPECT_EQ(TextOf(folder + "/calib.txt"), calibration);
+  EXPECT_EQ(FileText(folder + "/calib.txt"), calibration);
   const std::string log = WriteLog("run.lcm", Maps(2));
   EXPECT_EQ(RunQuality({log, "--json", log}).exit_code, 2);
   EXPECT_EQ(RunQuality({folder, "--report", folder + "/report.html"}).exit_code, 0);
