@@ -13,7 +13,7 @@
 #include "common/geometry/widened_frame.h"
 #include "common/inputs/check_inputs.h"
 #include "common/inputs/judge_ranges.h"
-#include "services/refine/range/range_text.h"
+#include "services/refine/range/range_bias.h"
 
 namespace sprout::refine {
 

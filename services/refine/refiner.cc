@@ -1,20 +1,26 @@
 #include "services/refine/refiner.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <opencv2/imgproc.hpp>
-#include <string>
 #include <utility>
 
 #include "common/core/image.h"
 #include "common/core/parallel.h"
 #include "common/core/window_sums.h"
+#include "services/refine/range/range_rules.h"
 #include "services/refine/stereo/stereo_rules.h"
 #include "services/refine/surface/image_noise.h"
 #include "services/refine/surface/surface_rules.h"
-#include "services/refine/zones/zone_rules.h"
+#include "services/refine/zones/zone_evidence.h"
 
 namespace sprout::refine {
 namespace {
+
+double SharedSigmaPx(const Seed& point, double noise_px) {
+  return std::sqrt(std::max(0.0, double{point.sigma_px} * point.sigma_px - noise_px * noise_px));
+}
 
 constexpr int kWindow = SurfaceRules::kWindow;
 constexpr int kRadius = SurfaceRules::kRadius;
@@ -35,6 +41,25 @@ int WindowSum(const cv::Mat1b& image, int u, int v) {
 }
 
 }  // namespace
+
+bool UnsurePoints::Is(const Seed& point, double noise_px) {
+  return SharedSigmaPx(point, noise_px) > RangeRules::kUnsurePx;
+}
+
+int UnsurePoints::Drop(const CellGrid& grid, double noise_px, std::span<const Seed> stereo,
+                       std::vector<Seed>& points) {
+  others_.clear();
+  std::ranges::copy_if(points, std::back_inserter(others_),
+                       [&](const Seed& point) { return !Is(point, noise_px); });
+  if (others_.size() == points.size()) return 0;
+  others_.insert(others_.end(), stereo.begin(), stereo.end());
+  surface_.Set(others_, grid.size, grid.spacing_px);
+  return static_cast<int>(std::erase_if(points, [&](const Seed& point) {
+    const cv::Point cell(grid.At(point.u), grid.At(point.v));
+    return Is(point, noise_px) && cv::Rect({}, grid.size).contains(cell) &&
+           surface_.SigmaPx(cell) < double{point.sigma_px};
+  }));
+}
 
 Refiner::Refiner(const RefineConfig& config) : config_(config), stereo_(config) {
   RequireInRange(config, "refine");

@@ -16,7 +16,7 @@
 #include "services/refine/alignment/tof_alignment.h"
 #include "services/refine/range/range_bias.h"
 #include "services/refine/range/sensor_place.h"
-#include "services/refine/range/unsure_points.h"
+#include "services/refine/stereo/point_surface.h"
 #include "services/refine/stereo/stereo_seeds.h"
 #include "services/refine/surface/background.h"
 #include "services/refine/surface/tof_surface.h"
@@ -24,6 +24,26 @@
 #include "services/refine/zones/zone_evidence.h"
 
 namespace sprout::refine {
+
+/// Range points of which the images do not show how far they are off, though the sensor is. Where
+/// stereo is surer, it counts instead.
+class UnsurePoints {
+ public:
+  /// @param noise_px  standard deviation of the points' noise. What their own standard deviation
+  ///                  has beside it is an error that neighbours share.
+  /// @returns whether that error is so large that stereo may be surer. O(1).
+  static bool Is(const Seed& point, double noise_px);
+
+  /// Drops unsure points where an interpolation between the others and stereo's seeds is surer than
+  /// they, eq. (R11) of the README.
+  /// @returns how many. O(points + cells); nothing is done if no point is unsure.
+  int Drop(const CellGrid& grid, double noise_px, std::span<const Seed> stereo,
+           std::vector<Seed>& points);
+
+ private:
+  std::vector<Seed> others_;
+  PointSurface surface_;
+};
 
 /// Turns ToF points into seed correspondences and drops the unreliable ones: by the paper's rules
 /// (II-B) and by two of TofSurface, which a sensor beside the left camera needs. Before that,

@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "common/core/rig.h"
@@ -76,6 +77,12 @@ class RangeBias {
   std::vector<uint8_t> contradicted_;
   std::vector<uint8_t> moved_;
 };
+
+/// One line for people: how far the sensor is off, in mm with its standard deviation, at the
+/// nearest and the farthest depth and where it is most, and what share of the points was moved.
+/// @returns empty for a sensor that is right; nothing when the images do not show it, or contradict
+///          too many points.
+std::optional<std::string> RangeErrorText(const RangeError& error);
 
 }  // namespace sprout::refine
 

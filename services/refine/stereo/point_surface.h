@@ -2,13 +2,34 @@
 #define SPROUT_SERVICES_REFINE_STEREO_POINT_SURFACE_H_
 
 #include <array>
+#include <cmath>
 #include <opencv2/core.hpp>
+#include <opencv2/core/types.hpp>
 #include <span>
 #include <vector>
 
 #include "common/core/seed.h"
 
 namespace sprout::refine {
+
+/// Square cells over the left image.
+struct CellGrid {
+  double spacing_px;  ///< side of a cell, px
+  cv::Size size;      ///< cells
+
+  CellGrid(double spacing, cv::Size image)
+      : spacing_px(spacing), size(At(image.width - 1) + 1, At(image.height - 1) + 1) {}
+
+  /// The column or row of cells that a position lies in.
+  int At(double position) const {
+    return static_cast<int>(std::floor((position + 0.5) / spacing_px));
+  }
+
+  /// The middle of a cell, px of the image.
+  cv::Point2d CentrePx(cv::Point cell) const {
+    return {(cell.x + 0.5) * spacing_px - 0.5, (cell.y + 0.5) * spacing_px - 0.5};
+  }
+};
 
 /// How well the points of a range sensor explain what lies between them: the standard deviation of
 /// an interpolation at the centres of square cells of the left image, eqs. (R11) and (R12) of the

@@ -7,7 +7,6 @@
 
 #include "common/config/config.h"
 #include "common/core/seed.h"
-#include "services/refine/stereo/cell_grid.h"
 #include "services/refine/stereo/point_surface.h"
 #include "services/refine/stereo/stereo_matcher.h"
 

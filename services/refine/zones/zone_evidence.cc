@@ -8,7 +8,6 @@
 #include <string>
 
 #include "common/geometry/projection.h"
-#include "services/refine/zones/zone_rules.h"
 
 namespace sprout::refine {
 namespace {
