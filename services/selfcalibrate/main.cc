@@ -21,7 +21,6 @@
 #include "common/core/sleep.h"
 #include "common/frames/frame_joiner.h"
 #include "common/messages/codec.h"
-#include "services/selfcalibrate/change_text.h"
 #include "services/selfcalibrate/rig_watch.h"
 
 namespace sprout::selfcalibrate {

@@ -13,7 +13,7 @@
 #include "common/messages/codec.h"
 #include "common/rig/rectifier.h"
 #include "common/rig/rig_file.h"
-#include "services/tools/calibrate/rectify_images.h"
+#include "services/tools/calibrate/scene/rig_change.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/services/tools/calibrate/knocked_scene.h"
 #include "tests/system/graph.h"

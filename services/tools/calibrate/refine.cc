@@ -16,9 +16,9 @@
 #include "common/rig/rectifier.h"
 #include "services/tools/calibrate/frame_log.h"
 #include "services/tools/calibrate/image_folder.h"
-#include "services/tools/calibrate/rectify_images.h"
 #include "services/tools/calibrate/report.h"
 #include "services/tools/calibrate/result_file.h"
+#include "services/tools/calibrate/scene/rig_change.h"
 #include "services/tools/calibrate/scene/scene_checks.h"
 #include "services/tools/calibrate/scene/scene_refiner.h"
 

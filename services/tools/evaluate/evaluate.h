@@ -1,19 +1,83 @@
 #ifndef SPROUT_SERVICES_TOOLS_EVALUATE_EVALUATE_H_
 #define SPROUT_SERVICES_TOOLS_EVALUATE_EVALUATE_H_
 
+#include <array>
+#include <cstdint>
 #include <functional>
+#include <opencv2/core.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "common/config/config.h"
+#include "common/core/seed.h"
 #include "common/measure/score.h"
 #include "common/measure/sparsification.h"
-#include "services/tools/evaluate/calibration.h"
 #include "services/tools/evaluate/chain.h"
 #include "services/tools/evaluate/scene.h"
-#include "services/tools/evaluate/seed_quality.h"
 
 namespace sprout::evaluate {
+
+/// Whether a map is as wrong as its confidence and its standard deviations say. NaN when no pixel
+/// has a disparity and is scored; pixels without a disparity claim nothing, and are left out.
+struct Calibration {
+  static constexpr int kBins = 10;
+  /// Pixels by the claimed probability p of an error > 1 px, a tenth each: mean p, and the share
+  /// whose error is > 1 px, per cent.
+  struct Bin {
+    double claimed_percent = 0;
+    double bad1_percent = 0;
+  };
+  std::array<Bin, kBins> bins{};
+  double claimed_percent = 0;         ///< mean p of all
+  double bad1_percent = 0;            ///< share of all with an error > 1 px
+  double error_points = 0;            ///< mean of |claimed − bad 1| over the bins
+  double within_1_sigma_percent = 0;  ///< |error| ≤ σ
+  double within_2_sigma_percent = 0;  ///< |error| ≤ 2σ
+};
+
+/// @param disparity_px, truth, mask  as Score(), of one size.
+/// @param confidence, sigma          of that size, as Part::kConfidence and Part::kSigma.
+/// O(pixels).
+Calibration Calibrate(const cv::Mat1f& disparity_px, const cv::Mat1f& truth, const cv::Mat1b& mask,
+                      const cv::Mat1b& confidence, const cv::Mat1b& sigma);
+
+/// Error above which a seed is wrong, px.
+inline constexpr double kWrongSeedPx = 3;
+
+/// Counts of seeds, judged by the ground truth at their nearest pixel of the left image.
+struct SeedCounts {
+  /// At most kWrongSeedPx from the truth, on a pixel that both cameras see (NonOccludedMask()).
+  int64_t good = 0;
+  /// Seeds that are more than kWrongSeedPx from the truth, or on a pixel that a nearer surface
+  /// hides from the right camera (OccludedMask()).
+  int64_t wrong = 0;
+  // Others cannot be judged: beyond the border of an image, or truth unknown.
+};
+
+/// O(n).
+SeedCounts CountSeeds(std::span<const Seed> seeds, const Scene& scene);
+
+/// How many good ToF points have no seed any more. Stereo seeds do not replace them, and a point
+/// that refinement moved is not lost.
+/// @param points  all ToF points. @param kept  the seeds after refinement. O(n log n).
+int64_t CountGoodLost(std::span<const Seed> points, std::span<const Seed> kept, const Scene& scene);
+
+/// Effect of refinement on the seeds of a scene, without added noise.
+struct RefinementQuality {
+  SeedSet refined;        ///< the seeds kept, and how many points each rule dropped
+  SeedCounts before;      ///< of all ToF points
+  SeedCounts after;       ///< of the seeds kept and those from stereo
+  int64_t good_lost = 0;  ///< CountGoodLost()
+
+  double wrong_before_percent() const;  ///< wrong ones among all ToF points
+  double wrong_after_percent() const;   ///< wrong ones among the seeds kept and those from stereo
+  double good_lost_percent() const;     ///< share of the good ToF points that was dropped
+};
+
+/// Runs refinement on a scene and evaluates it. Shares with denominator 0 are NaN.
+RefinementQuality JudgeRefinement(const Scene& scene, const RefineConfig& config);
 
 /// One row of the tables: a way to a disparity map.
 struct Method {

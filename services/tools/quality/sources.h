@@ -3,11 +3,10 @@
 
 #include <filesystem>
 #include <functional>
-#include <optional>
 #include <string>
 
 #include "common/core/frame.h"
-#include "services/tools/quality/measurement.h"
+#include "services/tools/quality/verdict.h"
 
 namespace sprout::quality {
 

@@ -6,11 +6,17 @@
 #include <cstddef>
 #include <opencv2/core.hpp>
 
+#include "common/core/result.h"
 #include "common/rig/bilinear_remap.h"
 #include "common/rig/raw_rig.h"
 #include "common/rig/rectifier.h"
+#include "services/tools/calibrate/board_view.h"
 
 namespace sprout::calibrate {
+
+/// A triplet as the cameras gave it, rectified, and without the bias of its ranges. O(pixels).
+/// @returns an error when sizes do not fit the calibration.
+Result<RigImages> RectifyImages(const Rectifier& rectifier, const RigImages& images);
 
 /// The numbers of a rig that a scene without a board can show, as changes of a calibration.
 enum RigNumber : size_t {

@@ -6,7 +6,7 @@
 #include "common/rig/rectifier.h"
 #include "common/scenes/lens_view.h"
 #include "common/scenes/sr4000.h"
-#include "services/tools/calibrate/rectify_images.h"
+#include "services/tools/calibrate/scene/rig_change.h"
 #include "tests/services/tools/calibrate/board_scene.h"
 
 namespace sprout::calibrate {

@@ -1,16 +1,14 @@
 
 #include <gmock/gmock.h>
 
-#include <fstream>
 #include <numbers>
-#include <sstream>
 
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
 #include "common/rig/rectifier.h"
 #include "common/rig/rig_file.h"
 #include "services/tools/calibrate/program.h"
-#include "services/tools/calibrate/rectify_images.h"
+#include "services/tools/calibrate/scene/rig_change.h"
 #include "tests/common/app/run_main.h"
 #include "tests/common/logfile/sample_log.h"
 #include "tests/services/tools/calibrate/knocked_scene.h"
@@ -89,10 +87,9 @@ TEST_F(CalibrateRefine, PutsARigRightFromUnrectifiedImagesAndKeepsItsDevices) {
   const RigDescription refined = LoadRigFile(File("new.textproto"));
   EXPECT_EQ(refined.left().serial(), "4711");
   EXPECT_EQ(ConfigText(refined.board_calibration()), ConfigText(ToCalibration(knocked_)));
-  std::ostringstream page;
-  page << std::ifstream(File("report.html")).rdbuf();
-  EXPECT_THAT(page.str(), HasSubstr("refined without a board: <span class=\"good\">good</span>"));
-  EXPECT_THAT(page.str(), HasSubstr("ToF points on the left image"));
+  const std::string page = FileText(File("report.html"));
+  EXPECT_THAT(page, HasSubstr("refined without a board: <span class=\"good\">good</span>"));
+  EXPECT_THAT(page, HasSubstr("ToF points on the left image"));
 }
 
 TEST_F(CalibrateRefine, FindsTheSameFromRectifiedImages) {

@@ -12,8 +12,8 @@
 
 #include "common/rig/rectifier.h"
 #include "common/scenes/dataset.h"
-#include "services/tools/calibrate/rectify_images.h"
 #include "services/tools/calibrate/report.h"
+#include "services/tools/calibrate/scene/rig_change.h"
 #include "services/tools/calibrate/scene/scene_refiner.h"
 #include "tests/common/rig/kitti_raw.h"
 

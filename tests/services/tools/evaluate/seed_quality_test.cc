@@ -1,10 +1,9 @@
-#include "services/tools/evaluate/seed_quality.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "services/tools/evaluate/evaluate.h"
 #include "tests/services/tools/evaluate/small_scene.h"
 
 namespace sprout::evaluate {
