@@ -10,8 +10,8 @@
 #include <string_view>
 
 #include "common/scenes/kitti_calibration.h"
+#include "common/scenes/pfm.h"
 #include "common/scenes/range_errors.h"
-#include "common/scenes/read_image.h"
 #include "common/scenes/source_options.h"
 #include "common/scenes/tof_grid.h"
 #include "common/scenes/velodyne_scan.h"

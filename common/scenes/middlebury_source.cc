@@ -11,7 +11,6 @@
 #include "common/scenes/middlebury_calibration.h"
 #include "common/scenes/pfm.h"
 #include "common/scenes/range_errors.h"
-#include "common/scenes/read_image.h"
 #include "common/scenes/source_options.h"
 #include "common/scenes/sr4000.h"
 #include "common/scenes/surface_renderer.h"

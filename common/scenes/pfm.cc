@@ -6,6 +6,7 @@
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <string_view>
+#include <system_error>
 
 #include "common/config/config_error.h"
 #include "common/core/depth_of_counts.h"
@@ -13,7 +14,6 @@
 #include "common/core/input_files.h"
 #include "common/core/number_text.h"
 #include "common/picture/read_image.h"
-#include "common/scenes/read_image.h"
 
 namespace sprout::scenes {
 namespace {
@@ -55,6 +55,23 @@ bool IsPfm(const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+bool IsFile(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored);
+}
+
+cv::Mat ReadImage(const std::filesystem::path& path, int flags) {
+  Result<cv::Mat> image = DecodeImageFile(path, flags, kPictureFormats);
+  if (!image) throw ConfigError(image.error().text);
+  return *image;
+}
+
+void RequireSize(const std::filesystem::path& path, cv::Size size, cv::Size expected) {
+  if (size == expected) return;
+  throw ConfigError("scene file " + path.string() + ": " + SizeText(size) +
+                    " px; allowed: " + SizeText(expected) + " px, as the left image has");
+}
 
 cv::Mat1f ReadPfm(const std::filesystem::path& path) {
   if (!IsFile(path)) throw BadPfm(path, "not a file");

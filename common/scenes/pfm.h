@@ -10,6 +10,17 @@
 
 namespace sprout::scenes {
 
+bool IsFile(const std::filesystem::path& path);
+
+/// Reads a PNG, JPEG, PGM or PPM file.
+/// @param flags  cv::imread()'s.
+/// @throws ConfigError with the text of DecodeImageFile().
+cv::Mat ReadImage(const std::filesystem::path& path, int flags);
+
+/// @throws ConfigError naming the file and both sizes when they differ.
+/// @param expected  of the left image.
+void RequireSize(const std::filesystem::path& path, cv::Size size, cv::Size expected);
+
 /// Reads a one-channel PFM file ("Pf"), top row first, samples as stored.
 ///
 /// cv::imread divides the samples by the scale in the header. Middlebury writes disparities in px

@@ -13,7 +13,7 @@
 
 #include "common/config/config_error.h"
 #include "common/core/input_files.h"
-#include "common/scenes/read_image.h"
+#include "common/scenes/pfm.h"
 
 namespace sprout::scenes {
 namespace {

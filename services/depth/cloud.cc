@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "common/geometry/projection.h"
-#include "services/depth/voxel_filter.h"
 
 namespace sprout::depth {
 

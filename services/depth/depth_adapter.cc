@@ -10,7 +10,7 @@
 #include "common/rig/rig_file.h"
 #include "services/depth/cloud.h"
 #include "services/depth/depth_map.h"
-#include "services/depth/filter_rules.h"
+#include "services/depth/map_filter.h"
 #include "services/depth/preview.h"
 
 namespace sprout::depth {

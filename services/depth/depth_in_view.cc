@@ -8,9 +8,9 @@
 #include <limits>
 #include <vector>
 
+#include "services/depth/cloud.h"
 #include "services/depth/rays.h"
 #include "services/depth/view_kernel.h"
-#include "services/depth/voxel_filter.h"
 
 namespace sprout::depth {
 namespace {

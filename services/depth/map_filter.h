@@ -4,8 +4,10 @@
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "common/config/config.h"
 #include "common/core/depth_counts.h"
 #include "common/core/disparity_image.h"
 #include "common/core/pose.h"
@@ -51,6 +53,17 @@ class MapFilter {
   cv::Mat1b inside_;  // the region; empty without one
   bool is_outside_ = false;
 };
+
+/// What the configuration leaves out of maps.
+/// @param base_from_left  of the rig file; nothing without one, and then there can be no box.
+/// @throws ConfigError for what does not go together.
+FilterRules FilterOf(const DepthConfig& config, const std::optional<Pose>& base_from_left);
+
+/// Whether points outside a box of the robot's frame are left out.
+bool HasBox(const DepthConfig& config);
+
+/// @throws ConfigError unless low < high; names are those of DepthConfig.
+void RequireOrder(const char* low_name, double low, const char* high_name, double high);
 
 }  // namespace sprout::depth
 

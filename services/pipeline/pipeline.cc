@@ -6,7 +6,6 @@
 
 #include "common/core/image.h"
 #include "common/geometry/projection.h"
-#include "services/depth/filter_rules.h"
 #include "services/depth/map_filter.h"
 #include "services/pipeline/chain.h"
 

@@ -9,8 +9,19 @@
 #include "common/core/prior_map.h"
 #include "common/core/result.h"
 #include "common/core/seed.h"
+#include "services/prior/triangulation/triangulation.h"
 
 namespace sprout::prior {
+
+/// Takes flat triangles off the hull, so that it follows the outermost seeds: one seed that lies
+/// further out than a whole row of others spans a side over all of them. A triangle goes if its
+/// side on the hull is longer than `longest_px`, its third corner less than `deepest_px` from that
+/// side, and not on the hull; then its other two sides are looked at. The neighbours stay.
+///
+/// @param seeds  that were triangulated.
+/// O(triangles); one thread.
+void TakeOffFlatTriangles(std::span<const Seed> seeds, double longest_px, double deepest_px,
+                          Triangulation& triangulation);
 
 /// The stage: a dense prior disparity map D_p of the left image, and its standard deviation, from
 /// sparse seeds. The README states the method.

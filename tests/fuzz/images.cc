@@ -5,7 +5,6 @@
 
 #include "common/config/config_error.h"
 #include "common/scenes/pfm.h"
-#include "common/scenes/read_image.h"
 #include "services/capture/genicam/pixels.h"
 #include "services/capture/genicam/scan3d.h"
 #include "tests/fuzz/targets.h"

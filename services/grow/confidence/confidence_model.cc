@@ -6,7 +6,6 @@
 
 #include "common/core/prior_map.h"
 #include "services/grow/confidence/confidence_model.pb.h"
-#include "services/grow/confidence/confidence_model_text.h"
 
 namespace sprout::grow {
 namespace {

@@ -11,6 +11,9 @@
 
 namespace sprout::grow {
 
+/// The content of confidence_model.textproto, which the build puts into the library.
+extern const char* const kConfidenceModelText;
+
 /// 16·log₂(x), straight between powers of two (Mitchell, "Computer multiplication and division
 /// using binary logarithms", 1962) and rounded down: the exponent of a float and 4 binary digits.
 /// @param x  1 to 2²⁴, which a float holds exactly.

@@ -14,7 +14,7 @@
 #include "services/prior/prior_adapter.h"
 #include "services/refine/refine_adapter.h"
 #include "services/temporal/temporal_adapter.h"
-#include "services/tools/evaluate/calibration.h"
+#include "services/tools/evaluate/evaluate.h"
 #include "tests/services/tools/evaluate/small_scene.h"
 
 namespace sprout {

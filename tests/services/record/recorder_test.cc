@@ -1,8 +1,7 @@
-#include "services/record/recorder.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "services/record/recording.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/services/record/make_event.h"
 

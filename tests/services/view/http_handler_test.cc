@@ -7,7 +7,6 @@
 
 #include <optional>
 
-#include "services/view/page_files.h"
 #include "tests/services/view/view_frames.h"
 
 namespace sprout::view {

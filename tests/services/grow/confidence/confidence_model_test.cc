@@ -6,7 +6,6 @@
 #include <cmath>
 #include <string>
 
-#include "services/grow/confidence/confidence_model_text.h"
 #include "tests/common/testing/thrown.h"
 
 namespace sprout::grow {

@@ -1,8 +1,8 @@
-#include "services/grow/sweep/seed_queue.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
+
+#include "services/grow/sweep/growth_band.h"
 
 namespace sprout::grow {
 namespace {
