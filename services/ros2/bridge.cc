@@ -7,7 +7,7 @@
 
 #include "common/app/status_board.h"
 #include "common/bus/channels.h"
-#include "common/ros/to_ros.h"
+#include "common/ros/compressed.h"
 
 namespace sprout::ros2 {
 namespace {

@@ -27,13 +27,17 @@ cv::Mat Worse(const cv::Mat& image, const std::string& how) {
     image.convertTo(worse, -1, 0.125);
   } else if (how == "blurred") {
     cv::GaussianBlur(image, worse, {}, 2);
+  } else if (how == "noisy") {
+    cv::Mat noise(image.size(), CV_MAKETYPE(CV_16S, image.channels()));
+    cv::theRNG().fill(noise, cv::RNG::NORMAL, 0, 5);
+    cv::add(image, noise, worse, {}, image.depth());
   } else if (how == "jpeg") {
     std::vector<uchar> bytes;
     cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, 75});
     worse = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
   } else {
     if (how != "good") {
-      throw ConfigError(how + ": allowed are good, clipped, dark, blurred and jpeg images");
+      throw ConfigError(how + ": allowed are good, clipped, dark, blurred, noisy and jpeg images");
     }
     worse = image;
   }
@@ -72,7 +76,7 @@ void PrintScene(const std::string& row, const Scene& scene, const ChainSettings&
     const cv::Point block(u / grow::kBlockPx, v / grow::kBlockPx);
     std::cout << '\t' << int{features.tof_seed(block)} << '\t' << int{features.seed(block)} << '\t'
               << int{frame.prior->sigma(v / 2 * 2, u / 2 * 2)} << '\t' << int{features.gaps(cell)}
-              << '\n';
+              << '\t' << int{features.flat(cell)} << '\n';
   }
 }
 

@@ -11,11 +11,12 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "services/grow/confidence/nearness-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace sprout::grow {
 namespace HWY_NAMESPACE {
 
-using Bytes = std::vector<uint8_t>;
 using Ints = std::vector<int32_t>;
 
 inline uint8_t ToByte(int value) { return static_cast<uint8_t>(std::clamp(value, 0, 255)); }
@@ -67,55 +68,6 @@ void MarkEdgesOnTarget(const cv::Mat1b& step, cv::Mat1b& edge) {
   }
 }
 
-// A byte less, at least 0.
-inline uint8_t Less(uint8_t nearness, uint8_t by) {
-  return static_cast<uint8_t>(std::max(nearness, by) - by);
-}
-
-inline constexpr int kFarthestCells = 64;  // of one pass along a row; all passes: 127 > 255 / 3
-inline constexpr uint8_t kBeside = 3;      // the mask of Borgefors
-inline constexpr uint8_t kAcross = 4;
-
-// From both sides along a row: passes of 1, 2, 4 ... cells.
-// @param from, to  with kFarthestCells zeros on either side.
-void SpreadAlongRow(uint8_t* row, int width, uint8_t* from, uint8_t* to) {
-  std::copy_n(row, width, from);
-  for (int cells = 1; cells <= kFarthestCells; cells *= 2) {
-    const auto loss = static_cast<uint8_t>(kBeside * cells);
-    const uint8_t* HWY_RESTRICT old = from;
-    uint8_t* HWY_RESTRICT spread = to;
-    for (int x = 0; x < width; ++x) {
-      spread[x] = std::max(old[x], Less(std::max(old[x - cells], old[x + cells]), loss));
-    }
-    std::swap(from, to);
-  }
-  std::copy_n(from, width, row);
-}
-
-// Spreads distances from one row to the next one.
-void SpreadToRow(const uint8_t* HWY_RESTRICT from, int width, uint8_t* HWY_RESTRICT to) {
-  const auto spread = [&](int x, uint8_t beside) HWY_ATTR {
-    to[x] = std::max(to[x], std::max(Less(from[x], kBeside), Less(beside, kAcross)));
-  };
-  for (int x = 1; x < width - 1; ++x) {
-    const uint8_t beside = std::max(from[x - 1], from[x + 1]);
-    to[x] = std::max(to[x], std::max(Less(from[x], kBeside), Less(beside, kAcross)));
-  }
-  if (width == 1) return spread(0, 0);
-  spread(0, from[1]);
-  spread(width - 1, from[width - 2]);
-}
-
-// First along the rows, then down and up: a shortest way of the mask can be walked in this order.
-void SpreadNearnessOnTarget(cv::Mat1b& marks, Bytes& memory) {
-  const auto size = static_cast<size_t>(marks.cols + 2 * kFarthestCells);
-  memory.assign(2 * size, 0);
-  uint8_t* const one = memory.data() + kFarthestCells;
-  for (int y = 0; y < marks.rows; ++y) SpreadAlongRow(marks[y], marks.cols, one, one + size);
-  for (int y = 1; y < marks.rows; ++y) SpreadToRow(marks[y - 1], marks.cols, marks[y]);
-  for (int y = marks.rows - 1; y-- > 0;) SpreadToRow(marks[y + 1], marks.cols, marks[y]);
-}
-
 // Which of its 8 neighbours are darker than a pixel, a bit each (Zabih and Woodfill, ECCV 1994); 0
 // at the image's border.
 void CensusOfRow(const cv::Mat1b& image, int v, uint8_t* HWY_RESTRICT census) {
@@ -150,10 +102,11 @@ class CellMatcher {
         warped_(static_cast<size_t>(cells_.width)),
         words_(static_cast<size_t>(cells_.width)) {
     const auto size = static_cast<size_t>(cells_.width + 2 * kRadius);
-    for (auto* rows : {&differences_, &textures_, &margins_, &gaps_}) {
+    for (auto* rows : {&differences_, &energies_, &textures_, &margins_, &gaps_}) {
       for (Ints& row : *rows) row.resize(size);
     }
     difference_.resize(size);
+    energy_.resize(size);
     texture_.resize(size);
     margin_.resize(size);
     gap_.resize(size);
@@ -164,21 +117,24 @@ class CellMatcher {
   }
 
   // @pre called for one row after the other.
-  void WriteRow(int y, uint8_t* HWY_RESTRICT misfits, uint8_t* HWY_RESTRICT margins,
-                uint8_t* HWY_RESTRICT gaps) {
+  void WriteRow(int y, uint8_t* HWY_RESTRICT misfits, uint8_t* HWY_RESTRICT flats,
+                uint8_t* HWY_RESTRICT margins, uint8_t* HWY_RESTRICT gaps) {
     Match(y + kRadius);
     AddRows(differences_, y, 1, difference_);
+    AddRows(energies_, y, 1, energy_);
     AddRows(textures_, y, 1, texture_);
     AddRows(margins_, y, kRadius, margin_);
     AddRows(gaps_, y, kRadius, gap_);
     const int32_t* HWY_RESTRICT difference = difference_.data() + kRadius;
+    const int32_t* HWY_RESTRICT energy = energy_.data() + kRadius;
     const int32_t* HWY_RESTRICT texture = texture_.data() + kRadius;
     const int32_t* HWY_RESTRICT margin = margin_.data() + kRadius;
     const int32_t* HWY_RESTRICT gap = gap_.data() + kRadius;
     for (int x = 0; x < cells_.width; ++x) {
       const int off = difference[x - 1] + difference[x] + difference[x + 1];
-      const int all = texture[x - 1] + texture[x] + texture[x + 1];
-      misfits[x] = ToByte(kEqual + LevelOf(off + kNoise) - LevelOf(all + kNoise));
+      const int all = energy[x - 1] + energy[x] + energy[x + 1];
+      misfits[x] = ToByte(255 + LevelOf(off + 1) - LevelOf(all + 1));
+      flats[x] = ToByte(kMostTexture - LevelOf(texture[x - 1] + texture[x] + texture[x + 1] + 9));
       margins[x] =
           ToByte(128 - margin[x - 2] - margin[x - 1] - margin[x] - margin[x + 1] - margin[x + 2]);
       gaps[x] = static_cast<uint8_t>(kGapUnit *
@@ -187,11 +143,10 @@ class CellMatcher {
   }
 
  private:
-  static constexpr int kRadius = 2;        // of the windows of margin and gaps
-  static constexpr int kGapUnit = 10;      // 255 / number of cells in the window, rounded down
-  static constexpr int kNoise = 9;         // (L − R)² of 9 cells, of a camera's least noise
-  static constexpr int kEqual = 208;       // level of a misfit of 1
-  static constexpr int kReach = 1024 + 8;  // as far as a disparity leads, and a census word
+  static constexpr int kRadius = 2;         // of the windows of margin and gaps
+  static constexpr int kMostTexture = 307;  // LevelOf(9 · 255²)
+  static constexpr int kGapUnit = 10;       // 255 / number of cells in the window, rounded down
+  static constexpr int kReach = 1024 + 8;   // as far as a disparity leads, and a census word
   using Rows = std::array<Ints, 2 * kRadius + 1>;
 
   // Costs of the cells of a row, in the place of the row five above. Beyond an image: those of its
@@ -204,6 +159,7 @@ class CellMatcher {
     Warp(map_.counts()[v]);
     const auto place = static_cast<size_t>((y + kRadius) % (2 * kRadius + 1));
     int32_t* HWY_RESTRICT difference = differences_[place].data() + kRadius;
+    int32_t* HWY_RESTRICT energy = energies_[place].data() + kRadius;
     int32_t* HWY_RESTRICT texture = textures_[place].data() + kRadius;
     int32_t* HWY_RESTRICT margin = margins_[place].data() + kRadius;
     int32_t* HWY_RESTRICT gap = gaps_[place].data() + kRadius;
@@ -216,6 +172,7 @@ class CellMatcher {
       const int l = left[2 * x];
       const int r = warped[x];
       difference[x] = (l - r) * (l - r);
+      energy[x] = l * l + r * r;
       gap[x] = grown[2 * x] == DisparityImage::kInvalid ? 1 : 0;
     }
     for (int x = 1; x < cells_.width - 1; ++x) {
@@ -235,7 +192,7 @@ class CellMatcher {
       const auto behind = static_cast<int32_t>(bits >> 16 & 15);
       margin[x] = std::min(before, behind) - here;
     }
-    for (int32_t* row : {difference, texture, margin, gap}) {
+    for (int32_t* row : {difference, energy, texture, margin, gap}) {
       for (int i = 1; i <= kRadius; ++i) {
         row[-i] = row[0];
         row[cells_.width - 1 + i] = row[cells_.width - 1];
@@ -283,8 +240,8 @@ class CellMatcher {
   Bytes left_census_, right_row_, right_census_;  // rows; right ones with zeros on either side
   Bytes warped_;                                  // of a row of cells
   std::vector<uint32_t> words_;
-  Rows differences_, textures_, margins_, gaps_;
-  Ints difference_, texture_, margin_, gap_;  // their sums over rows
+  Rows differences_, energies_, textures_, margins_, gaps_;
+  Ints difference_, energy_, texture_, margin_, gap_;  // their sums over rows
 };
 
 // |d(x − 2) + d(x + 2) − 2·d(x)|, and the same over the rows.
@@ -310,7 +267,7 @@ void MatchCellsOnTarget(const cv::Mat1b& left, const cv::Mat1b& right, const Dis
   CellMatcher matcher(left, right, grown, filled);
   matcher.Begin(rows.start);
   for (int y = rows.start; y < rows.end; ++y) {
-    matcher.WriteRow(y, features.misfit[y], features.margin[y], features.gaps[y]);
+    matcher.WriteRow(y, features.misfit[y], features.flat[y], features.margin[y], features.gaps[y]);
     WriteBends(filled, y, features.bend.cols, features.bend[y]);
   }
 }
@@ -348,13 +305,14 @@ void RateCellsOnTarget(const ConfidenceTables& tables, const ConfidenceFeatures&
     const uint8_t* const step = features.step[y];
     const uint8_t* const bend = features.bend[y];
     const uint8_t* const misfit = features.misfit[y];
+    const uint8_t* const flat = features.flat[y];
     const uint8_t* const margin = features.margin[y];
     const uint8_t* const gaps = features.gaps[y];
     const uint8_t* const edge = features.edge[y];
     const uint8_t* const prior = sigma_prior.empty() ? unknown.data() : sigma_prior[kCellPx * y];
     for (int x = 0; x < cells; ++x) {
       const uint32_t sum = seeds[static_cast<size_t>(x / 2)] + tables.step[step[x]] +
-                           tables.bend[bend[x]] + tables.misfit[misfit[x]] +
+                           tables.bend[bend[x]] + tables.misfit[misfit[x]] + tables.flat[flat[x]] +
                            tables.margin[margin[x]] + tables.gaps[gaps[x]] + tables.edge[edge[x]] +
                            tables.prior[prior[2 * x]];
       sure[static_cast<size_t>(x)] = tables.ConfidenceOf(sum);

@@ -15,8 +15,8 @@ using Values = google::protobuf::RepeatedField<int32_t>;
 
 constexpr int kKnotStep = 16;
 constexpr int kKnots = 256 / kKnotStep + 1;
-// Nine curves and the start stay below 2¹⁶.
-constexpr int kMost = 6300;
+// Ten curves and the start stay below 2¹⁶.
+constexpr int kMost = 5600;
 
 // The level of each value of the feature: what the knots count.
 std::function<int(int)> LevelsOf(Curve::Feature feature) {
@@ -40,6 +40,8 @@ ConfidenceTables::Table& TableOf(Curve::Feature feature, ConfidenceTables& table
       return tables.bend;
     case Curve::MISFIT:
       return tables.misfit;
+    case Curve::FLAT:
+      return tables.flat;
     case Curve::MARGIN:
       return tables.margin;
     case Curve::GAPS:

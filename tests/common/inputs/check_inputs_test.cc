@@ -353,8 +353,7 @@ TEST(CheckInputs, TakesRangesForGoodOfWhichSomeAreInOnePictureOnly) {
 TEST(CheckInputs, SaysThatImagesAreWhite) {
   Parts parts = SceneOf();
   EXPECT_EQ(parts.Answer(Question::kBits).verdict, Verdict::kGood);
-  cv::Mat1b brighter = parts.left * 4;
-  parts.left = brighter;
+  parts.left = cv::Mat(parts.left * 4);
   const Finding finding = parts.Answer(Question::kBits);
   EXPECT_EQ(finding.verdict, Verdict::kBad);
   EXPECT_THAT(finding.text, HasSubstr("% of the pixels are white"));

@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <cstdio>
 #include <ctime>
 #include <functional>
 #include <iostream>

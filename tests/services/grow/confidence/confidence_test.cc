@@ -82,6 +82,14 @@ TEST(Confidence, IsLowerWhereTheImagesDoNotFit) {
   ExpectLessSure(fits, scene.Judge(), {70, 30});
 }
 
+TEST(Confidence, IsLowerWhereBothImagesAreDark) {
+  JudgedScene scene;
+  const auto bright = scene.Judge();
+  scene.left = scene.left / 32;  // matches as well
+  scene.right = scene.right / 32;
+  ExpectLessSure(bright, scene.Judge(), {70, 30});
+}
+
 TEST(Confidence, IsLowerBesideStepsOfMoreThanOnePixel) {
   JudgedScene scene;
   scene.right = uint8_t{128};  // nothing there that fits
