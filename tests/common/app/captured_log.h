@@ -16,6 +16,7 @@ class CapturedLog {
   CapturedLog(const CapturedLog&) = delete;
   CapturedLog& operator=(const CapturedLog&) = delete;
 
+  /// Also while other threads log.
   std::vector<std::string> Lines() const;
 
  private:
