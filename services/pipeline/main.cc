@@ -11,13 +11,12 @@
 #include "common/app/replay.h"
 #include "common/app/service.h"
 #include "common/app/stage_monitor.h"
-#include "common/config/stage_parts.h"
 #include "common/core/digest.h"
-#include "common/core/stage_adapter.h"
 #include "common/core/tof_coverage.h"
 #include "services/pipeline/chain.h"
 #include "services/pipeline/files/files.h"
 #include "services/pipeline/files/write_results.h"
+#include "services/pipeline/pipeline_adapter.h"
 
 namespace sprout {
 namespace {
@@ -60,85 +59,6 @@ class StepMonitors : public ChainObserver {
   size_t count_;
   StageMonitor::Clock::time_point begun_{};
 };
-
-PartSet AllInputs(const SproutConfig& config) {
-  PartSet inputs = InputsOf(config.refine());
-  if (config.temporal().in_pipeline() && InputsOf(config.temporal()).Has(Part::kOdometry)) {
-    inputs.Add(Part::kOdometry);
-  }
-  return inputs;
-}
-
-PartSet AllOutputs(const SproutConfig& config) {
-  PartSet outputs;
-  for (const char* stage : {"refine", "prior", "grow", "temporal"}) {
-    if (stage == std::string_view("temporal") && !config.temporal().in_pipeline()) continue;
-    const PartSet of_stage = OutputsOf(stage, config);
-    for (const Part part : kAllParts) {
-      if (of_stage.Has(part)) outputs.Add(part);
-    }
-  }
-  return outputs;
-}
-
-std::string InOneLine(const std::vector<std::string>& warnings) {
-  std::string line;
-  for (const std::string& warning : warnings) line += (line.empty() ? "" : "; ") + warning;
-  return line;
-}
-
-// LEFT RIGHT TOF RIG [ODOMETRY] → SEEDS LEFT_SEEDS PRIOR [UNFILLED] DISPARITY [CONFIDENCE SIGMA]
-// [FUSED FUSED_CONFIDENCE MOTION]: what refine, prior and grow answer with the same configuration,
-// and with temporal.in_pipeline also temporal, to the byte. Then it is a stage with memory.
-class PipelineAdapter : public StageAdapter {
- public:
-  // @param steps  observes every step; must outlive this object.
-  // @throws ConfigError as Chain.
-  PipelineAdapter(const SproutConfig& config, ChainObserver& steps);
-
-  PartSet Inputs() const override { return inputs_; }
-
-  // Only the memory needs to know how the camera moved: without that it forgets, and the rest is
-  // as ever.
-  PartSet OptionalInputs() const override { return {Part::kOdometry}; }
-
-  // Always answers. The result's reason names the stages that had nothing to give. The ToF
-  // camera's pose that refine measured is reported to the observer only.
-  StageResult Process(const Frame& frame) override;
-
-  int WarmUpFrames() const override { return warm_up_frames_; }
-
- private:
-  ChainObserver& steps_;
-  PartSet inputs_;
-  PartSet outputs_;
-  bool grows_with_prior_;
-  int warm_up_frames_;
-  Chain chain_;
-};
-
-PipelineAdapter::PipelineAdapter(const SproutConfig& config, ChainObserver& steps)
-    : steps_(steps),
-      inputs_(AllInputs(config)),
-      outputs_(AllOutputs(config)),
-      grows_with_prior_(InputsOf(config.grow()).Has(Part::kPrior)),
-      warm_up_frames_(config.temporal().in_pipeline() ? config.temporal().warm_up_frames() : 0),
-      chain_(config) {}
-
-StageResult PipelineAdapter::Process(const Frame& frame) {
-  Frame work = frame;  // shares the images' pixels
-  std::vector<std::string> warnings = chain_.Run(work, steps_).warnings;
-  if (!grows_with_prior_) {
-    // Sprout-prior answers also where growth does not listen.
-    const ChainReport prior = chain_.Run(work, steps_, ChainStep::kPrior);
-    warnings.insert(warnings.end(), prior.warnings.begin(), prior.warnings.end());
-  }
-  StageResult outcome{.outputs = {}, .degenerate = InOneLine(warnings)};
-  for (const Part part : kAllParts) {
-    if (outputs_.Has(part)) outcome.outputs.push_back({part, GetPart(work, part)});
-  }
-  return outcome;
-}
 
 constexpr char kFilesDescription[] =
     "Depth of image files, without any bus: a pair, or folders or patterns of many";
