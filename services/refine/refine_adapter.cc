@@ -48,6 +48,17 @@ void PutFirst(StageResult& result, const std::string& finding) {
   result.range_error = finding + (others.empty() ? "" : "; " + others);
 }
 
+std::string PlaceText(const SensorPlace& place) {
+  const std::string where =
+      place.spread == 1
+          ? "about " + inputs::MoveText(place.move_px)
+          : fmt::format("{:.2f} times as far from the middle (is that its lens?)", place.spread);
+  return fmt::format(
+      "range points belong {} in the left image (there {:.0f} % of them agree with stereo, where "
+      "they are {:.0f} %): none is believed",
+      where, 100 * place.agree_moved, 100 * place.agree_as_is);
+}
+
 // The disparity of a point at infinity, rounded up; 0 where it is negative.
 int InfinityPx(const RectifiedPair& pair) {
   return static_cast<int>(std::ceil(std::clamp<double>(pair.cx - pair.cx_right, 0, pair.width)));
@@ -196,12 +207,7 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
   }
   const SensorPlace& place = refiner_.sensor_place();
   if (refined.fits && place.is_displaced) {
-    AddLine(outcome,
-            fmt::format("range points belong about {} in the left image (there {:.0f} % of "
-                        "them agree with stereo, where they are {:.0f} %): none is "
-                        "believed",
-                        inputs::MoveText(place.move_px), 100 * place.agree_moved,
-                        100 * place.agree_as_is));
+    AddLine(outcome, PlaceText(place));
   } else if (refined.fits && refiner_.range_error().rejected) {
     const auto percent = std::lround(100 * refiner_.range_error().contradicted_share);
     AddLine(outcome, "the images contradict the range points in " + std::to_string(percent) +

@@ -178,9 +178,7 @@ bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const T
                           const TofProjector& projector) {
   const bool is_doubtful = range_error_.contradicted_share > RangeRules::kDoubtfulShare ||
                            range_error_.far_from_curve_share > RangeRules::kDoubtfulMoves;
-  // Where points are far apart disparities of their neighbours say too little.
-  if (!is_doubtful || range_error_.Refuses() || !config_.stereo_seeds() || !surface_.has_pixels() ||
-      stereo_.IsCoarse(surface_.spacing_px(), left.cols)) {
+  if (!is_doubtful || range_error_.Refuses() || !config_.stereo_seeds() || !surface_.has_pixels()) {
     return false;
   }
   int behind = 0;

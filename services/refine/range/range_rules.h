@@ -131,6 +131,9 @@ struct RangeRules {
   static constexpr double kMaxDisplacement = 0.16;
   static constexpr int kMoveSteps = 12;
   static constexpr int kMoveRounds = 2;
+  /// Fields of view that are tried, in parts of the calibrated one, and the first of finer steps.
+  static constexpr double kSpreads[] = {0.7, 0.78, 0.86, 0.93, 1.07, 1.15, 1.25, 1.4};
+  static constexpr double kSpreadStep = 0.04;
   static constexpr size_t kMostMatches = 1000;
   /// Points and stereo agree to so many px.
   static constexpr double kAgreePx = 2;

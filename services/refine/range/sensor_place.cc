@@ -9,12 +9,19 @@
 namespace sprout::refine {
 namespace {
 
+// Where all points may belong instead, as in SensorPlace.
+struct Elsewhere {
+  cv::Point2d move_px;
+  double spread = 1;
+};
+
 // Disparities of points by their places in the left image.
 class PointMap {
  public:
   PointMap(std::span<const ProjectedPoint> points, double agree_px, const cv::Size2d& spacing_px,
            const cv::Size& size)
       : agree_px_(static_cast<float>(agree_px)),
+        centre_(size.width / 2.0, size.height / 2.0),
         wide_(std::max(1.0, spacing_px.width)),
         high_(std::max(1.0, spacing_px.height)),
         map_(static_cast<int>(size.height / high_) + 1, static_cast<int>(size.width / wide_) + 1,
@@ -26,10 +33,11 @@ class PointMap {
     }
   }
 
-  // What the points say of a match when all are moved.
+  // What the points say of a match when all are spread and moved.
   enum class Vote { kNone, kAgrees, kDisagrees };
-  Vote Ask(const Seed& match, const cv::Point2d& move_px) const {
-    const cv::Point cell = CellOf({match.u - move_px.x, match.v - move_px.y});
+  Vote Ask(const Seed& match, const Elsewhere& where) const {
+    const cv::Point2d there(match.u, match.v);
+    const cv::Point cell = CellOf(centre_ + (there - where.move_px - centre_) / where.spread);
     const float here = IsIn(cell) ? map_(cell) : kNothing;
     if (here == kNothing) return Vote::kNone;
     return std::abs(here - match.disparity()) <= agree_px_ ? Vote::kAgrees : Vote::kDisagrees;
@@ -44,6 +52,7 @@ class PointMap {
   bool IsIn(const cv::Point& cell) const { return cv::Rect({}, map_.size()).contains(cell); }
 
   float agree_px_;
+  cv::Point2d centre_;
   double wide_, high_;
   cv::Mat1f map_;
 };
@@ -63,57 +72,88 @@ struct Count {
   }
 };
 
-// The move at which most of the matches agree: of a grid over all moves, then of finer ones.
-cv::Point2d BestMove(const PointMap& map, std::span<const Seed> matches, int width) {
-  const size_t step = matches.size() / RangeRules::kMostMatches + 1;
-  const auto asked = static_cast<double>((matches.size() + step - 1) / step);
-  // Stops where a share of `most` is out of reach.
-  const auto count_at = [&](const cv::Point2d& move_px, double most) {
-    const double most_against = (1 - most) * asked;
+// Finds where most of the matches agree with the points.
+class PlaceSearch {
+ public:
+  PlaceSearch(const PointMap& map, std::span<const Seed> matches)
+      : map_(map),
+        matches_(matches),
+        step_(matches.size() / RangeRules::kMostMatches + 1),
+        asked_(static_cast<double>((matches.size() + step_ - 1) / step_)),
+        fewest_(CountAt({}).compared / 2) {}
+
+  // Of a grid over all moves, then of finer ones.
+  Elsewhere BestMove(int width) {
+    most_ = kNoShare;
+    double step_px = RangeRules::kMaxDisplacement * width / RangeRules::kMoveSteps;
+    LookAround({}, step_px, RangeRules::kMoveSteps);
+    for (int i = 0; i < RangeRules::kMoveRounds; ++i) LookAround(best_, step_px /= 2, 1);
+    return best_;
+  }
+
+  // Of wider and narrower fields of view, then of finer steps.
+  Elsewhere BestSpread() {
+    most_ = kNoShare;
+    for (const double spread : RangeRules::kSpreads) LookAt({.move_px = {}, .spread = spread});
+    double step = RangeRules::kSpreadStep;
+    for (int i = 0; i < RangeRules::kMoveRounds; ++i, step /= 2) {
+      const double from = best_.spread;  // `best_` changes meanwhile
+      LookAt({.move_px = {}, .spread = from * (1 - step)});
+      LookAt({.move_px = {}, .spread = from * (1 + step)});
+    }
+    return best_;
+  }
+
+ private:
+  static constexpr double kNoShare = -1;
+
+  // Stops where a share of `most_` is out of reach.
+  Count CountAt(const Elsewhere& where) const {
+    const double most_against = (1 - most_) * asked_;
     Count count;
-    for (size_t i = 0; i < matches.size(); i += step) {
-      count.Add(map.Ask(matches[i], move_px));
+    for (size_t i = 0; i < matches_.size(); i += step_) {
+      count.Add(map_.Ask(matches_[i], where));
       if (static_cast<double>(count.compared - count.agreeing) > most_against) break;
     }
     return count;
-  };
-  constexpr double kNoShare = -1;
-  const size_t fewest = count_at({}, kNoShare).compared / 2;
-  cv::Point2d best;
-  double most = kNoShare;
-  // By value: `best` changes meanwhile.
-  const auto look_around = [&](const cv::Point2d from, double step_px, int reach) {
+  }
+
+  void LookAt(const Elsewhere& where) {
+    const Count count = CountAt(where);
+    if (count.compared < fewest_ || count.share() <= most_) return;
+    most_ = count.share();
+    best_ = where;
+  }
+
+  // By value: `best_` changes meanwhile.
+  void LookAround(const Elsewhere from, double step_px, int reach) {
     for (int y = -reach; y <= reach; ++y) {
       for (int x = -reach; x <= reach; ++x) {
-        const cv::Point2d move_px = from + step_px * cv::Point2d(x, y);
-        const Count count = count_at(move_px, most);
-        if (count.compared < fewest || count.share() <= most) continue;
-        most = count.share();
-        best = move_px;
+        LookAt({.move_px = from.move_px + step_px * cv::Point2d(x, y)});
       }
     }
-  };
-  double step_px = RangeRules::kMaxDisplacement * width / RangeRules::kMoveSteps;
-  look_around({}, step_px, RangeRules::kMoveSteps);
-  for (int i = 0; i < RangeRules::kMoveRounds; ++i) look_around(best, step_px /= 2, 1);
-  return best;
-}
+  }
 
-}  // namespace
+  const PointMap& map_;
+  std::span<const Seed> matches_;
+  size_t step_;
+  double asked_;
+  double most_ = kNoShare;
+  Elsewhere best_;
+  size_t fewest_;  // last: it is counted
+};
 
-SensorPlace FindSensorPlace(const PlacedPoints& points, std::span<const Seed> matches,
-                            double agree_px, double strictness) {
-  SensorPlace place;
-  const PointMap raw(points.raw, agree_px, points.spacing_px, points.image);
-  const PointMap corrected(points.corrected, agree_px, points.spacing_px, points.image);
-  place.move_px = BestMove(raw, matches, points.image.width);
+// Whether the points as measured fit better elsewhere than the corrected ones where they are.
+SensorPlace Compare(const PlacedPoints& points, const PointMap& raw, const PointMap& corrected,
+                    std::span<const Seed> matches, const Elsewhere& elsewhere, double strictness) {
+  SensorPlace place{.move_px = elsewhere.move_px, .spread = elsewhere.spread};
   // Matches side by side err together, so blocks of them are counted.
   constexpr int kBlocks = RangeRules::kMoveBlocks;
   cv::Mat1d gains(kBlocks, kBlocks, 0.0);
   Count as_is, moved;
   for (const Seed& match : matches) {
     const PointMap::Vote here = corrected.Ask(match, {});
-    const PointMap::Vote there = raw.Ask(match, place.move_px);
+    const PointMap::Vote there = raw.Ask(match, elsewhere);
     if (here == PointMap::Vote::kNone || there == PointMap::Vote::kNone) continue;
     as_is.Add(here);
     moved.Add(there);
@@ -126,13 +166,34 @@ SensorPlace FindSensorPlace(const PlacedPoints& points, std::span<const Seed> ma
   place.agree_moved = moved.share();
   const double sigma = cv::norm(gains);
   if (sigma > 0) place.gain_sigmas = cv::sum(gains)[0] / sigma;
+  // Half a pixel of the sensor does no harm.
+  const double pixels = std::hypot(place.move_px.x / points.spacing_px.width,
+                                   place.move_px.y / points.spacing_px.height);
+  const bool is_far = place.spread != 1 || pixels >= 1;
   // Where stereo itself errs less, so many are enough: what does not agree anywhere is its errors.
   const double enough = std::min(RangeRules::kMoveGain, 1 - place.agree_moved);
-  place.is_displaced = as_is.compared >= RangeRules::kFewestCompared &&
+  place.is_displaced = is_far && as_is.compared >= RangeRules::kFewestCompared &&
                        place.agree_moved > RangeRules::kMoveFits &&
                        place.gain_sigmas > strictness * RangeRules::kMoveSigmas &&
                        place.agree_moved - place.agree_as_is > strictness * enough;
   return place;
+}
+
+}  // namespace
+
+SensorPlace FindSensorPlace(const PlacedPoints& points, std::span<const Seed> matches,
+                            double agree_px, double strictness) {
+  const PointMap raw(points.raw, agree_px, points.spacing_px, points.image);
+  const PointMap corrected(points.corrected, agree_px, points.spacing_px, points.image);
+  PlaceSearch search(raw, matches);
+  const auto compare = [&](const Elsewhere& elsewhere) {
+    return Compare(points, raw, corrected, matches, elsewhere, strictness);
+  };
+  const SensorPlace moved = compare(search.BestMove(points.image.width));
+  const SensorPlace spread = compare(search.BestSpread());
+  const bool is_lens =
+      spread.is_displaced && (!moved.is_displaced || spread.agree_moved > moved.agree_moved);
+  return is_lens ? spread : moved;
 }
 
 }  // namespace sprout::refine

@@ -12,7 +12,10 @@ namespace sprout::refine {
 /// What stereo says of where a range sensor looks.
 struct SensorPlace {
   bool is_displaced = false;  ///< its points clearly fit better elsewhere in the picture
-  cv::Point2d move_px;        ///< what has to be added there to their positions in the left image
+  cv::Point2d move_px;  ///< what has to be added there to their positions in the left image; or
+  /// by what their distances from its middle have to be multiplied: not 1 for a lens whose field of
+  /// view is so many times as wide as calibrated.
+  double spread = 1;
   double agree_as_is = 0;  ///< share of the matches that agree with the points around them, 0 to 1
   double agree_moved = 0;  ///< the same with the points moved
   double gain_sigmas = 0;  ///< standard deviations of the difference
@@ -26,13 +29,13 @@ struct PlacedPoints {
   cv::Size image;                             ///< the left one
 };
 
-/// Asks whether a range sensor was turned or moved: whether its points, all moved by one offset in
-/// the left image, fit the disparities of stereo better than where they are, and better than after
-/// RangeBias, too.
+/// Asks whether a range sensor was turned or moved, or has another lens: whether its points, all
+/// moved by one offset in the left image or spread about its middle, fit the disparities of stereo
+/// better than where they are, and better than after RangeBias, too.
 /// @param matches   of stereo that knows nothing of the points.
 /// @param agree_px  by which points and matches may differ where they agree.
 /// @param strictness  1; less: for a first look.
-/// O(points + matches): 643 offsets of 1000 matches. No I/O; one thread; the same on every machine.
+/// O(points + matches): 650 places of 1000 matches. No I/O; one thread; the same on every machine.
 SensorPlace FindSensorPlace(const PlacedPoints& points, std::span<const Seed> matches,
                             double agree_px, double strictness = 1);
 

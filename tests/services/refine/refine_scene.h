@@ -63,7 +63,8 @@ struct BoxScene : Scene {
   }
 
   // @param move_px  how far right of where they belong the points lie.
-  explicit BoxScene(int move_px = 0) {
+  // @param spread   by what their distances from the middle have to be multiplied.
+  explicit BoxScene(int move_px = 0, double spread = 1) {
     constexpr int kStep = 5;
     const cv::Size size(400, 300);
     rig.pair.width = size.width;
@@ -90,7 +91,10 @@ struct BoxScene : Scene {
     tof.depth_m.create(rig.tof.height, rig.tof.width);
     for (int j = 0; j < rig.tof.height; ++j) {
       for (int i = 0; i < rig.tof.width; ++i) {
-        SetDisparity(i, j, DisparityAt(kStep * i - move_px, kStep * j));
+        const cv::Point2d middle(rig.pair.cx, rig.pair.cy);
+        const cv::Point at =
+            middle + spread * (cv::Point2d(kStep * i - move_px, kStep * j) - middle);
+        SetDisparity(i, j, DisparityAt(at.x, at.y));
       }
     }
   }

@@ -307,6 +307,15 @@ TEST(Refiner, BelievesNoPointOfADisplacedSensor) {
   EXPECT_FALSE(refiner.range_error().rejected);
 }
 
+TEST(Refiner, BelievesNoPointOfASensorWithAnotherLens) {
+  BoxScene scene(0, 1.25);
+  Refiner refiner{RefineConfig()};
+  ASSERT_TRUE(refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig)));
+  EXPECT_TRUE(refiner.sensor_place().is_displaced);
+  EXPECT_NEAR(refiner.sensor_place().spread, 1.25, 0.04);
+  EXPECT_TRUE(refiner.left_seeds().seeds.empty());
+}
+
 TEST(Refiner, PutsSeedsOfThePairBehindThoseOfTheTofCamera) {
   Scene scene = TexturedScene();
   for (int j = 0; j < 8; ++j) {

@@ -68,6 +68,26 @@ TEST(SensorPlace, FindsWhereADisplacedSensorBelongs) {
   }
 }
 
+TEST(SensorPlace, FindsALensThatIsNotTheCalibratedOne) {
+  const cv::Point2d middle(kImage.width / 2.0, kImage.height / 2.0);
+  for (const double spread : {0.75, 0.9, 1.12, 1.3}) {
+    const auto points =
+        Points([&](const cv::Point2d& at) { return BoxesPx(middle + spread * (at - middle)); });
+    const SensorPlace place = Find(points, points);
+    EXPECT_TRUE(place.is_displaced) << spread;
+    EXPECT_NEAR(place.spread, spread, 0.06) << spread;
+  }
+}
+
+// An edge is only seen to a pixel of the sensor.
+TEST(SensorPlace, IsRightForASensorThatIsOffByLessThanItsPixel) {
+  const auto points =
+      Points([](const cv::Point2d& at) { return BoxesPx(at + cv::Point2d(kSpacingPx - 1, 0)); });
+  const SensorPlace place = Find(points, points);
+  EXPECT_NEAR(place.move_px.x, kSpacingPx, kSpacingPx);
+  EXPECT_FALSE(place.is_displaced);
+}
+
 // Multi-path moves whole surfaces, and refinement takes that off; none of it is a place.
 TEST(SensorPlace, IsRightForASensorThatIsOffInDepthAndWasCorrected) {
   const auto raw = Points([](const cv::Point2d& at) {
