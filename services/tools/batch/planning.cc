@@ -189,6 +189,14 @@ class Inputs {
   std::vector<fs::path> open_;  // lists being read, each inside the one before
 };
 
+// Whether it is an answer in a batch's folder OUT, results/GROUP/KEY/answers.lcm, or a link to one.
+bool IsOfABatch(const fs::path& log) {
+  std::error_code gone;
+  const fs::path results = fs::canonical(log, gone).parent_path().parent_path().parent_path();
+  return results.filename() == "results" &&
+         fs::exists(BatchFolder(results.parent_path()).manifest(), gone);
+}
+
 constexpr size_t kLongestName = 200;  // a file name has 255 bytes, and endings come behind it
 constexpr std::string_view kNotInNames = "/,\"";
 
@@ -231,7 +239,7 @@ Manifest Plan(const BatchRequest& request, const std::string& program) {
 std::vector<std::string> LogsBelow(const fs::path& folder) {
   std::vector<std::pair<bool, std::string>> names;  // links last
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file() && entry.path().extension() == ".lcm") {
+    if (entry.is_regular_file() && entry.path().extension() == ".lcm" && !IsOfABatch(entry)) {
       names.emplace_back(entry.is_symlink(), fs::absolute(entry.path()).lexically_normal());
     }
   }

@@ -296,6 +296,20 @@ TEST(LogsBelow, GivesALogWithSeveralNamesOnce) {
                                                    folder / "same_content.lcm"));
 }
 
+TEST(LogsBelow, LeavesOutWhatBatchesAnswered) {
+  const TemporaryDirectory folder;
+  for (const char* path : {"out/results/ab/abc", "out/logs", "results/mon/am"}) {
+    fs::create_directories(folder / path);
+  }
+  for (const char* name : {"x.lcm", "results/mon/am/mine.lcm", "out/manifest.textproto",
+                           "out/results/ab/abc/answers.lcm"}) {
+    std::ofstream(folder / name) << name;
+  }
+  fs::create_symlink("../results/ab/abc/answers.lcm", folder / "out/logs/x_a.lcm");
+  EXPECT_THAT(PathsBelow(folder / ""),
+              ElementsAre(folder / "results/mon/am/mine.lcm", folder / "x.lcm"));
+}
+
 }  // namespace
 
 }  // namespace sprout::batch
