@@ -179,7 +179,10 @@ class Inputs {
       throw ConfigError("@" + Printable(path) + ": the list contains itself");
     }
     open_.push_back(canonical);
-    for (std::string line; std::getline(list, line);) {
+    constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+    for (std::string line; std::getline(list, line);) {  // Windows' editors write these two
+      if (line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
+      if (line.ends_with('\r')) line.pop_back();
       if (!line.empty()) Add(line);
     }
     open_.pop_back();

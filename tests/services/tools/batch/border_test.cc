@@ -140,6 +140,14 @@ TEST(FindLogs, RefusesAListThatContainsItself) {
   EXPECT_THAT(Thrown<ConfigError>([&] { FindLogs({"@/dev/zero"}); }), HasSubstr("no such list"));
 }
 
+TEST(FindLogs, ReadsAListOfWindows) {
+  const TemporaryDirectory folder;
+  WriteFile(folder / "a.lcm", "x");
+  const std::string path = folder / "a.lcm";
+  WriteFile(folder / "list.txt", "\xef\xbb\xbf" + path + "\r\n\r\n" + path + "\r\n");
+  EXPECT_THAT(FindLogs({"@" + (folder / "list.txt").string()}).logs, ElementsAre(path));
+}
+
 // A result as a task leaves it.
 class AResult : public testing::Test {
  protected:
