@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <fstream>
 #include <iostream>
 #include <map>
@@ -192,6 +194,12 @@ class Inputs {
   std::vector<fs::path> open_;  // lists being read, each inside the one before
 };
 
+void RequireReadable(const fs::path& folder) {
+  if (eaccess(folder.c_str(), R_OK | X_OK) == 0) return;
+  throw ConfigError(Printable(folder.string()) + ": cannot be read (" +
+                    std::generic_category().message(errno) + ")");
+}
+
 // Whether it is an answer in a batch's folder OUT, results/GROUP/KEY/answers.lcm, or a link to one.
 bool IsOfABatch(const fs::path& log) {
   std::error_code gone;
@@ -241,7 +249,9 @@ Manifest Plan(const BatchRequest& request, const std::string& program) {
 
 std::vector<std::string> LogsBelow(const fs::path& folder) {
   std::vector<std::pair<bool, std::string>> names;  // links last
+  RequireReadable(folder);
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_directory() && !entry.is_symlink()) RequireReadable(entry);
     if (entry.is_regular_file() && entry.path().extension() == ".lcm" && !IsOfABatch(entry)) {
       names.emplace_back(entry.is_symlink(), fs::absolute(entry.path()).lexically_normal());
     }

@@ -1,5 +1,6 @@
 // What comes from elsewhere: names of logs, lists, results.
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <fstream>
 
@@ -302,6 +303,20 @@ TEST(LogsBelow, GivesALogWithSeveralNamesOnce) {
   fs::create_symlink(folder / "nowhere", folder / "dangling.lcm");
   EXPECT_THAT(PathsBelow(folder / ""), ElementsAre(folder / "b/target.lcm", folder / "far_1.lcm",
                                                    folder / "same_content.lcm"));
+}
+
+TEST(LogsBelow, NamesAFolderThatItMayNotRead) {
+  const TemporaryDirectory folder;
+  fs::create_directory(folder / "lost+found");
+  fs::permissions(folder / "lost+found", fs::perms::none);
+  fs::permissions(folder / "", fs::perms::all);
+  constexpr uid_t kNobody = 65534;
+  const bool is_root = geteuid() == 0;
+  ASSERT_EQ(is_root ? seteuid(kNobody) : 0, 0);
+  const std::string error = Thrown<ConfigError>([&] { LogsBelow(folder / ""); });
+  ASSERT_EQ(is_root ? seteuid(0) : 0, 0);
+  fs::permissions(folder / "lost+found", fs::perms::all);
+  EXPECT_THAT(error, HasSubstr("lost+found: cannot be read (Permission denied)"));
 }
 
 TEST(LogsBelow, LeavesOutWhatBatchesAnswered) {
