@@ -78,19 +78,27 @@ RosLimits LimitsFor(cv::Size images, cv::Size tof) {
   return {.image_bytes = kBytesPerPixel * pixels + kHeader};
 }
 
+// Of the range images; nothing where there are none.
+std::optional<cv::Size> RangeSizeOf(const RosSettings& settings, const TofCamera& tof) {
+  if (settings.depth.empty()) return std::nullopt;
+  return cv::Size(tof.width, tof.height);
+}
+
 // Frames of messages, whatever becomes of them.
 class RosFrames : public RawSource {
  public:
   // @param watch  nothing when CameraInfo does not count.
   RosFrames(RosOpener opener, std::unique_ptr<RosInput> input, std::optional<cv::Size> size,
-            ImageOfPoints image, std::optional<RosRigWatch> watch = {})
+            std::optional<cv::Size> range_size, ImageOfPoints image,
+            std::optional<RosRigWatch> watch = {})
       : opener_(std::move(opener)),
         input_(std::move(input)),
         watch_(std::move(watch)),
         size_(size),
         rig_size_(size),
+        range_size_(range_size),
         image_(std::move(image)),
-        triplets_(opener_.settings(), size_, image_) {}
+        triplets_(opener_.settings(), size_, range_size_, image_) {}
 
   bool is_live() const override { return input_->is_live(); }
   bool is_recorded() const override { return !is_live(); }
@@ -106,7 +114,7 @@ class RosFrames : public RawSource {
         is_at_end_ = true;
       } else if (opener_.loop() && std::exchange(gave_any_, false)) {
         input_->StartImages({});
-        triplets_ = RosTriplets(opener_.settings(), size_, image_);
+        triplets_ = RosTriplets(opener_.settings(), size_, range_size_, image_);
         is_at_end_ = false;
       } else {
         break;
@@ -134,8 +142,9 @@ class RosFrames : public RawSource {
   void UseRig(const RosRig& rig) {
     const int before = size_->area();
     size_ = rig.rig.pair.size();
+    range_size_ = RangeSizeOf(opener_.settings(), rig.rig.tof);
     if (image_) image_ = Projector(rig);
-    triplets_.Use(*size_, image_);
+    triplets_.Use(*size_, range_size_, image_);
     // A sensor that turns on its mount changes with each message of /tf.
     if (const auto held_back = change_log_.Pass(Clock::now())) {
       opener_.reports().tell("the calibration changed: " + RigId(rig.rig) + ", images of " +
@@ -175,6 +184,7 @@ class RosFrames : public RawSource {
   std::optional<RosRigWatch> watch_;
   std::optional<cv::Size> size_;
   std::optional<cv::Size> rig_size_;  // of the frames' rig; size_ may be a newer one
+  std::optional<cv::Size> range_size_;
   LogLimiter change_log_;
   std::optional<scenes::NamedRig> new_rig_ = {};  // for the next frame
   ImageOfPoints image_;
@@ -248,11 +258,12 @@ std::unique_ptr<scenes::FrameSource> OpenWithRigFile(const RosOpener& opener) {
   Rectifier rectifier(RequireCalibration(LoadRigFile(settings.rig), settings.rig));
   RosRig rig{.rig = rectifier.rig()};
   ImageOfPoints image;
+  const bool has_range = !settings.points.empty() || !settings.depth.empty();
+  if (has_range && rig.rig.tof.width == 0) {
+    throw opener.Bad("no tof in " + settings.rig + ", whose pose is that of the range sensor");
+  }
   if (!settings.points.empty()) {
     const TofCamera sensor = rig.rig.tof;
-    if (sensor.width == 0) {
-      throw opener.Bad("no tof in " + settings.rig + ", whose pose is that of the points' sensor");
-    }
     rig.left_from_points = Eigen::Translation3d(sensor.left_from_tof_translation_m) *
                            Eigen::Quaterniond(sensor.left_from_tof_rotation);
     rig.rig.tof = scenes::TofGridCamera(rig.rig.pair, 1);
@@ -263,7 +274,8 @@ std::unique_ptr<scenes::FrameSource> OpenWithRigFile(const RosOpener& opener) {
   const cv::Size size = rectifier.raw().left.size();
   std::unique_ptr<RosInput> input = opener.Open();
   input->StartImages(LimitsFor(size, rectifier.raw().tof.size()));
-  RosFrames frames(opener, std::move(input), size, std::move(image));
+  RosFrames frames(opener, std::move(input), size, RangeSizeOf(settings, rig.rig.tof),
+                   std::move(image));
   return std::make_unique<RosSource>(std::move(frames), rig.rig, std::move(rectifier));
 }
 
@@ -280,7 +292,8 @@ std::unique_ptr<scenes::FrameSource> OpenRosSource(const std::string& source,
   const cv::Size size = rig.rig.pair.size();
   input->StartImages(LimitsFor(size, {rig.rig.tof.width, rig.rig.tof.height}));
   const bool has_points = !opener.settings().points.empty();
-  RosFrames frames(opener, std::move(input), size, has_points ? Projector(rig) : ImageOfPoints(),
+  RosFrames frames(opener, std::move(input), size, RangeSizeOf(opener.settings(), rig.rig.tof),
+                   has_points ? Projector(rig) : ImageOfPoints(),
                    RosRigWatch(std::move(found->calibration), rig));
   return std::make_unique<RosSource>(std::move(frames), rig.rig, std::nullopt);
 }
@@ -290,7 +303,8 @@ std::unique_ptr<RawSource> OpenRawRosSource(const std::string& source, RosSource
   opener.LeaveOutCalibration();
   std::unique_ptr<RosInput> input = opener.Open();
   input->StartImages({});
-  return std::make_unique<RosFrames>(opener, std::move(input), std::nullopt, ImageOfPoints());
+  return std::make_unique<RosFrames>(opener, std::move(input), std::nullopt, std::nullopt,
+                                     ImageOfPoints());
 }
 
 }  // namespace sprout::capture

@@ -41,8 +41,9 @@ RigPlace PlaceOf(RosRole role) {
 }  // namespace
 
 RosTriplets::RosTriplets(const RosSettings& settings, std::optional<cv::Size> size,
-                         ImageOfPoints image)
+                         std::optional<cv::Size> range_size, ImageOfPoints image)
     : size_(size),
+      range_size_(range_size),
       image_of_points_(std::move(image)),
       sensor_(settings.depth.empty() ? settings.points : settings.depth),
       synchronizer_(ConfigOf(settings, image_of_points_ != nullptr)),
@@ -65,25 +66,30 @@ Result<TimedImage> RosTriplets::DecodePicture(const RosBytes& message) const {
   return timed;
 }
 
-Result<TimedImage> RosTriplets::Decode(const RosBytes& message) const {
-  if (message.role == RosRole::kLeft || message.role == RosRole::kRight) {
-    return DecodePicture(message);
-  }
+Result<TimedImage> RosTriplets::DecodeDepth(const RosBytes& message) const {
   TimedImage timed;
-  if (message.role == RosRole::kPoints) {
-    const auto points =
-        Stamped<RosPointCloud>(message, timed, [](const auto& ros) { return FromRosCloud(ros); });
-    if (!points) return tl::unexpected(points.error());
-    timed.tof = image_of_points_(*points);
-    return timed;
-  }
   Result<cv::Mat1f> depth_m =
       message.is_compressed
           ? Stamped<RosCompressedImage>(
-                message, timed, [](const auto& ros) { return FromRosDepth(ros, std::nullopt); })
+                message, timed, [&](const auto& ros) { return FromRosDepth(ros, range_size_); })
           : Stamped<RosImage>(message, timed, [](const auto& ros) { return FromRosDepth(ros); });
   if (!depth_m) return tl::unexpected(depth_m.error());
+  if (range_size_ && depth_m->size() != *range_size_) {
+    return Fail("range image of " + SizeText(depth_m->size()) +
+                ": allowed is the calibrated size " + SizeText(*range_size_));
+  }
   timed.tof.depth_m = std::move(*depth_m);
+  return timed;
+}
+
+Result<TimedImage> RosTriplets::Decode(const RosBytes& message) const {
+  if (message.role == RosRole::kDepth) return DecodeDepth(message);
+  if (message.role != RosRole::kPoints) return DecodePicture(message);
+  TimedImage timed;
+  const auto points =
+      Stamped<RosPointCloud>(message, timed, [](const auto& ros) { return FromRosCloud(ros); });
+  if (!points) return tl::unexpected(points.error());
+  timed.tof = image_of_points_(*points);
   return timed;
 }
 
@@ -109,8 +115,9 @@ Result<void> RosTriplets::Take(const RosBytes& message) {
   return {};
 }
 
-void RosTriplets::Use(cv::Size size, ImageOfPoints image) {
+void RosTriplets::Use(cv::Size size, std::optional<cv::Size> range_size, ImageOfPoints image) {
   size_ = size;
+  range_size_ = range_size;
   image_of_points_ = std::move(image);
 }
 

@@ -22,15 +22,17 @@ using ImageOfPoints = std::function<TofImage(const std::vector<Eigen::Vector3d>&
 /// what found no partner or cannot be used.
 class RosTriplets {
  public:
-  /// @param size   of the images; nothing: any.
-  /// @param image  for points; empty: they are left alone.
-  RosTriplets(const RosSettings& settings, std::optional<cv::Size> size, ImageOfPoints image);
+  /// @param size        of the images; nothing: any.
+  /// @param range_size  of the range images; nothing: any.
+  /// @param image       for points; empty: they are left alone.
+  RosTriplets(const RosSettings& settings, std::optional<cv::Size> size,
+              std::optional<cv::Size> range_size, ImageOfPoints image);
 
   /// An error says why an image cannot be used.
   Result<void> Take(const RosBytes& message);
 
-  /// From now on images have this size, and points become this image.
-  void Use(cv::Size size, ImageOfPoints image);
+  /// From now on images have these sizes, and points become this image.
+  void Use(cv::Size size, std::optional<cv::Size> range_size, ImageOfPoints image);
 
   /// No more messages come: what waits for a range image goes without.
   void Finish() { is_finished_ = true; }
@@ -44,10 +46,12 @@ class RosTriplets {
  private:
   Result<TimedImage> Decode(const RosBytes& message) const;
   Result<TimedImage> DecodePicture(const RosBytes& message) const;
+  Result<TimedImage> DecodeDepth(const RosBytes& message) const;
   std::string WhyUnpaired() const;
   scenes::LostFrames LostSince(bool at_end);
 
   std::optional<cv::Size> size_;
+  std::optional<cv::Size> range_size_;
   ImageOfPoints image_of_points_;
   std::string sensor_;  // topic of its messages
   TripletSynchronizer synchronizer_;

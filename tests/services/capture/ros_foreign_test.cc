@@ -248,7 +248,8 @@ TEST(RosForeign, ImagesAndRangesMayBeCompressed) {
   };
   add("/left/image/compressed", "PNG", Grey(5), 0);
   add("/right/image/compressed", "", Grey(5), 0);
-  add("/tof/image/compressedDepth", "16UC1; compressedDepth", cv::Mat1w(3, 2, uint16_t{2500}), 12);
+  const cv::Mat1w range(rig.tof.height, rig.tof.width, uint16_t{2500});
+  add("/tof/image/compressedDepth", "16UC1; compressedDepth", range, 12);
   file.Add("/tof/camera_info", ToRosTofInfo({kStart, RosFrames().tof}, rig.tof));
   file.Finish();
   const Opened opened = OpenAll("mcap:" + file.path() +

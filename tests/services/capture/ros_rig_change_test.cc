@@ -100,5 +100,24 @@ TEST(RosSource, RefusesAnImageOfAnotherSizeAndGoesOn) {
   EXPECT_EQ(told.lost[0].trouble, "image of 2x2: allowed is the calibrated size 640x480");
 }
 
+TEST(RosSource, RefusesARangeImageOfAnotherSizeAndGoesOnWithoutIt) {
+  RosRecording file;
+  file.AddCalibration(examples::Rig());
+  for (int i = 0; i < 2; ++i) {
+    const int64_t utime = kStart + 100'000 * i;
+    file.AddImage("/left/image", utime, Grey(i));
+    file.AddImage("/right/image", utime, Grey(i));
+    file.AddImage("/depth/image", utime, i == 0 ? cv::Mat1f(4, 3, 2.F) : cv::Mat1f(kSize, 2.F));
+  }
+  Told told;
+  const auto frames = All(*OpenRosSource(
+      file.Source("&depth=/depth/image&depth_info=/left/camera_info"), told.Options()));
+  ASSERT_EQ(frames.size(), 2U);
+  EXPECT_TRUE(frames[0].tof.depth_m.empty());
+  EXPECT_EQ(frames[1].tof.depth_m.size(), kSize);
+  EXPECT_THAT(told.refused, ElementsAre("/depth/image: range image of 3x4: allowed is the "
+                                        "calibrated size 640x480"));
+}
+
 }  // namespace
 }  // namespace sprout::capture

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <limits>
+
 #include "common/messages/jpeg.h"
 #include "common/scenes/velodyne_scan.h"
 #include "tests/common/scenes/kitti_folder.h"
@@ -16,13 +18,14 @@ using testing::HasSubstr;
 TEST(RosSource, GivesTheFramesAndTheRigThatWereShown) {
   RosRecording file;
   const Rig rig = examples::Rig();
-  const TofImage tof = examples::Tof(false);
+  cv::Mat1f depth_m(rig.tof.height, rig.tof.width, 2.F);
+  depth_m(1, 1) = std::numeric_limits<float>::quiet_NaN();
   // The calibration stands behind the first frame.
   for (int i = 0; i < 3; ++i) {
     const int64_t utime = kStart + 100'000 * i;
     file.AddImage("/left/image", utime, cv::Mat(kSize, CV_8UC3, cv::Scalar(i, 2, 3)));
     file.AddImage("/right/image", utime, Grey(i));
-    file.AddImage("/tof/image", utime, tof.depth_m);
+    file.AddImage("/tof/image", utime, depth_m);
     if (i > 0) continue;
     file.AddCalibration(rig);
     file.Add("/tof/camera_info", ToRosTofInfo({utime, RosFrames().tof}, rig.tof));
@@ -38,7 +41,8 @@ TEST(RosSource, GivesTheFramesAndTheRigThatWereShown) {
     EXPECT_EQ(frame.utime, kStart + 100'000 * i);
     EXPECT_EQ(frame.left.at<cv::Vec3b>(1, 1), cv::Vec3b(static_cast<uint8_t>(i), 2, 3));
     EXPECT_EQ(frame.right.at<uint8_t>(1, 1), i);
-    EXPECT_EQ(std::memcmp(frame.tof.depth_m.data, tof.depth_m.data, 24), 0);
+    ASSERT_EQ(frame.tof.depth_m.size(), depth_m.size());
+    EXPECT_EQ(std::memcmp(frame.tof.depth_m.data, depth_m.data, 4 * depth_m.total()), 0);
     EXPECT_EQ(frame.lost, 0);
   }
   EXPECT_THAT(told.lines, ElementsAre());
