@@ -23,6 +23,12 @@ constexpr size_t kMaxPoses = 10'000;
 // Most frames that are named whose transforms cannot be used.
 constexpr size_t kMaxUnusable = 20;
 
+// A message behind CDR's header and the stamp.
+std::span<const uint8_t> BehindStamp(const RosBytes& message) {
+  constexpr size_t kBehindStamp = 12;
+  return message.cdr.subspan(std::min(kBehindStamp, message.cdr.size()));
+}
+
 // Whether rigs are equal but for the rounding of a pose that is made of others: /tf comes often.
 bool AreEqual(const RosRig& a, RosRig b) {
   constexpr double kRounding = 1e-7;  // m and rad
@@ -41,9 +47,7 @@ bool AreEqual(const RosRig& a, RosRig b) {
 }  // namespace
 
 Result<bool> RosCalibration::TakeInfo(const RosBytes& message, std::optional<Named>& to) {
-  // Drivers send the same one with each image: behind CDR's header and the stamp it is equal.
-  constexpr size_t kBehindStamp = 12;
-  const auto cdr = message.cdr.subspan(std::min(kBehindStamp, message.cdr.size()));
+  const auto cdr = BehindStamp(message);  // drivers send the same one with each image
   if (to && std::ranges::equal(cdr, to->cdr)) return false;
   const Result<RosMessage<RosCameraInfo>> info = ReadCdr<RosCameraInfo>(message.cdr);
   if (!info) return tl::unexpected(info.error());
@@ -78,6 +82,22 @@ Result<bool> RosCalibration::TakeTransforms(const RosBytes& message) {
   return is_any_usable ? true : outcome;
 }
 
+Result<bool> RosCalibration::TakePointsFrame(const RosBytes& message) {
+  const auto cdr = BehindStamp(message);  // begins with the frame's length, text and a zero
+  const size_t known = points_frame_cdr_.size();
+  if (points_frame_ && cdr.size() >= known &&
+      std::ranges::equal(cdr.first(known), points_frame_cdr_)) {
+    return false;
+  }
+  const Result<RosMessage<RosPointCloud>> cloud = ReadCdr<RosPointCloud>(message.cdr);
+  if (!cloud && points_frame_) return false;  // who takes its points says what is wrong
+  if (!cloud) return tl::unexpected(cloud.error());
+  points_frame_ = RosText((*cloud)->header.frame_id);
+  const auto frame = cdr.first(sizeof(uint32_t) + points_frame_->size() + 1);
+  points_frame_cdr_.assign(frame.begin(), frame.end());
+  return true;
+}
+
 Result<bool> RosCalibration::Take(const RosBytes& message) {
   switch (message.role) {
     case RosRole::kLeftInfo:
@@ -86,13 +106,8 @@ Result<bool> RosCalibration::Take(const RosBytes& message) {
       return TakeInfo(message, right_);
     case RosRole::kDepthInfo:
       return TakeInfo(message, depth_);
-    case RosRole::kPoints: {
-      if (points_frame_) return false;
-      const Result<RosMessage<RosPointCloud>> cloud = ReadCdr<RosPointCloud>(message.cdr);
-      if (!cloud) return tl::unexpected(cloud.error());
-      points_frame_ = RosText((*cloud)->header.frame_id);
-      return true;
-    }
+    case RosRole::kPoints:
+      return TakePointsFrame(message);
     case RosRole::kTf:
       return TakeTransforms(message);
     case RosRole::kLeft:
@@ -225,7 +240,7 @@ Result<bool> RosRigWatch::Take(const RosBytes& message) {
   refused_.erase(message.role);
   if (!*changed) return false;
   if (calibration_.Missing()) {
-    misfit_ = "no transform from the range sensor to the left camera any more";
+    misfit_ = calibration_.MissingTransform();
     return false;
   }
   Result<RosRig> rig = calibration_.Rig();

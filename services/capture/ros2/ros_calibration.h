@@ -55,6 +55,7 @@ class RosCalibration {
     std::vector<uint8_t> cdr;  // of the message without its stamp
   };
   Result<bool> TakeInfo(const RosBytes& message, std::optional<Named>& to);
+  Result<bool> TakePointsFrame(const RosBytes& message);
   Result<bool> TakeTransforms(const RosBytes& message);
   std::optional<RosPose> PoseInRoot(std::string frame) const;
   std::optional<Pose> LeftFrom(const std::string& frame) const;
@@ -67,13 +68,14 @@ class RosCalibration {
   std::optional<Named> right_;
   std::optional<Named> depth_;
   std::optional<std::string> points_frame_;
-  std::map<std::string, RosPose> poses_;  // by child
-  std::set<std::string> unusable_;        // children whose newest transform is no pose
+  std::vector<uint8_t> points_frame_cdr_;  // as messages have it
+  std::map<std::string, RosPose> poses_;   // by child
+  std::set<std::string> unusable_;         // children whose newest transform is no pose
   int64_t changed_utime_ = 0;
 };
 
-/// Watches whether a rig's CameraInfo or /tf_static change while it runs: a driver was set to
-/// another mode, a camera was calibrated again.
+/// Watches whether a rig's CameraInfo, /tf_static or the frame of its points change while it runs:
+/// a driver was set to another mode, a camera was calibrated again.
 class RosRigWatch {
  public:
   /// @param calibration  complete, with this rig.

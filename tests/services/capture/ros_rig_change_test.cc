@@ -119,5 +119,43 @@ TEST(RosSource, RefusesARangeImageOfAnotherSizeAndGoesOnWithoutIt) {
                                         "calibrated size 640x480"));
 }
 
+// Another lidar takes the place of the first one, then one that no transform places.
+TEST(RosSource, PointsStandWhereTheirOwnFrameDoes) {
+  RosRecording file;
+  const Rig rig = examples::Rig();
+  file.AddCalibration(rig);
+  RosMessage<RosTransforms> poses;
+  const std::span all = ResizeRos(poses->transforms, 2);
+  for (const size_t i : {0, 1}) {
+    SetRosText(all[i].header.frame_id, RosFrames().left);
+    SetRosText(all[i].child_frame_id, i == 0 ? "one" : "other");
+    all[i].transform.translation.x = 0.5 * static_cast<double>(i);
+    all[i].transform.rotation.w = 1;
+  }
+  file.Add("/tf_static", poses);
+  const PointCloud cloud{.points = {{.position_m = {0, 0, 2}, .bgr = {}}}};
+  const char* const kFrames[] = {"one", "one", "other", "nowhere"};
+  for (int i = 0; i < 4; ++i) {
+    const int64_t utime = kStart + 100'000 * i;
+    file.Add("/points", ToRosCloud({utime, kFrames[i]}, cloud));
+    file.AddImage("/left/image", utime, Grey(i));
+    file.AddImage("/right/image", utime, Grey(i));
+  }
+  Told told;
+  const auto frames = All(*OpenRosSource(file.Source("&points=/points"), told.Options()));
+  ASSERT_EQ(frames.size(), 3U);
+  const auto column = [&](size_t i) {
+    double largest = 0;
+    cv::Point at;
+    cv::minMaxLoc(cv::Mat1b(frames[i].tof.depth_m > 0), nullptr, &largest, nullptr, &at);
+    return largest > 0 ? at.x : -1;
+  };
+  EXPECT_EQ(column(1), column(0));
+  EXPECT_EQ(column(2), column(0) + static_cast<int>(rig.pair.focal_px * 0.5 / 2));
+  ASSERT_EQ(told.lost.size(), 1U);
+  EXPECT_THAT(told.lost[0].trouble,
+              HasSubstr("no transform from the range sensor's frame 'nowhere' to the left"));
+}
+
 }  // namespace
 }  // namespace sprout::capture
