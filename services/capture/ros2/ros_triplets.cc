@@ -99,19 +99,32 @@ Result<void> RosTriplets::Take(const RosBytes& message) {
                         (message.role == RosRole::kPoints && image_of_points_);
   if (!is_image) return {};
   Result<TimedImage> timed = Decode(message);
+  const RigPlace place = PlaceOf(message.role);
+  if (timed && place != RigPlace::kTof) {
+    const Result<void> noted = NoteStamp(stamps_[place == RigPlace::kLeft ? 0 : 1], timed->utime);
+    if (!noted) timed = tl::unexpected(noted.error());
+  }
   if (!timed) {
     // Its partner will be counted as a capture that is not whole.
     trouble_ = timed.error().text;
-    if (PlaceOf(message.role) == RigPlace::kTof) range_trouble_ = trouble_;
+    if (place == RigPlace::kTof) range_trouble_ = trouble_;
     return tl::unexpected(timed.error());
   }
-  if (message.role == RosRole::kLeft || message.role == RosRole::kRight) {
-    newest_utime_ = timed->utime;
-    std::deque<int64_t>& stamps = stamps_[message.role == RosRole::kLeft ? 0 : 1];
-    stamps.push_back(timed->utime);
-    if (stamps.size() > kStamps) stamps.pop_front();
+  synchronizer_.Push(place, std::move(*timed));
+  return {};
+}
+
+// Nothing but its stamp says with which image one belongs.
+Result<void> RosTriplets::NoteStamp(std::deque<int64_t>& stamps, int64_t utime) {
+  if (!stamps.empty() && stamps.back() == utime) {
+    return Fail(
+        fmt::format("header.stamp = {:.6f}: that of the image before it{}; allowed is the "
+                    "time of each image, by which left and right are joined",
+                    static_cast<double>(utime) * 1e-6, utime == 0 ? ", none was set" : ""));
   }
-  synchronizer_.Push(PlaceOf(message.role), std::move(*timed));
+  newest_utime_ = utime;
+  stamps.push_back(utime);
+  if (stamps.size() > kStamps) stamps.pop_front();
   return {};
 }
 

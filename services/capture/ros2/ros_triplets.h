@@ -28,7 +28,7 @@ class RosTriplets {
   RosTriplets(const RosSettings& settings, std::optional<cv::Size> size,
               std::optional<cv::Size> range_size, ImageOfPoints image);
 
-  /// An error says why an image cannot be used.
+  /// An error says why an image cannot be used: also one with the stamp of the one before it.
   Result<void> Take(const RosBytes& message);
 
   /// From now on images have these sizes, and points become this image.
@@ -44,6 +44,7 @@ class RosTriplets {
   scenes::LostFrames TakeLost() { return LostSince(/*at_end=*/is_finished_); }
 
  private:
+  Result<void> NoteStamp(std::deque<int64_t>& stamps, int64_t utime);
   Result<TimedImage> Decode(const RosBytes& message) const;
   Result<TimedImage> DecodePicture(const RosBytes& message) const;
   Result<TimedImage> DecodeDepth(const RosBytes& message) const;

@@ -160,6 +160,20 @@ TEST(RosSource, OneStampAnHourAheadCostsTwoFramesAtMost) {
   }
 }
 
+// A driver that sets no stamps, of whose images nobody knows which belong together.
+TEST(RosSource, RefusesImagesWithTheStampOfTheOneBefore) {
+  RosRecording file;
+  file.AddCalibration(examples::Rig());
+  for (const int64_t utime : {int64_t{0}, int64_t{0}, kStart, kStart + 100'000}) {
+    for (const char* topic : {"/left/image", "/right/image"}) file.AddImage(topic, utime, Grey(1));
+  }
+  Told told;
+  EXPECT_EQ(All(*OpenRosSource(file.Source(), told.Options())).size(), 3U);
+  ASSERT_EQ(told.refused.size(), 2U);
+  EXPECT_THAT(told.refused[0], HasSubstr("/left/image: header.stamp = 0.000000: that of the image "
+                                         "before it, none was set; allowed is"));
+}
+
 // Both hosts' clocks differ: no pair ever, so no frame could say it.
 TEST(RosSource, ReportsLossesWhenTheyHappen) {
   std::vector<std::pair<int64_t, int64_t>> stamps;
@@ -182,9 +196,8 @@ std::string RangeTrouble(int64_t pairs_utime, int64_t range_utime,
   RosRecording file;
   file.AddCalibration(examples::Rig());
   for (int i = 0; i < 3; ++i) {
-    const int64_t later = pairs_utime == 0 ? 0 : 100'000 * i;
-    file.AddImage("/left/image", pairs_utime + later, Grey(i));
-    file.AddImage("/right/image", pairs_utime + later, Grey(i));
+    file.AddImage("/left/image", pairs_utime + 100'000 * i, Grey(i));
+    file.AddImage("/right/image", pairs_utime + 100'000 * i, Grey(i));
     file.AddImage(topic, range_utime + 100'000 * i, range);
   }
   Told told;
