@@ -286,4 +286,16 @@ RosNode::Publishers RosNode::PublishersOf(const std::string& topic, const RosTyp
   return publishers;
 }
 
+std::set<std::string> RosNode::TopicsOf(const RosType& type) {
+  Discover();
+  std::set<std::string> topics;
+  for (const auto& [handle, endpoint] : endpoints_) {
+    const bool is_ros = endpoint.topic.starts_with(DdsName("/"));
+    if (is_ros && endpoint.type == type.dds->m_typename) {
+      topics.insert(endpoint.topic.substr(DdsName("").size()));
+    }
+  }
+  return topics;
+}
+
 }  // namespace sprout

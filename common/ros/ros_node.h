@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -108,6 +109,9 @@ class RosNode {
     RosQos offered = {};          ///< the least that those of the type offer; depth says nothing
   };
   Publishers PublishersOf(const std::string& topic, const RosType& type);
+
+  /// Topics of a type that discovery knows publishers of: "/camera/left/image".
+  std::set<std::string> TopicsOf(const RosType& type);
 
  private:
   struct Endpoint {

@@ -8,6 +8,7 @@
 
 #include "common/messages/codec.h"
 #include "tests/common/picture/temporary_directory.h"
+#include "tests/system/eventually.h"
 #include "tests/system/graph.h"
 #include "tests/system/ros2_host.h"
 
@@ -45,6 +46,20 @@ TEST(Ros2System, TakesPairsOfAnotherHost) {
   EXPECT_LE(status.frames_failed, sent / 20) << capture.Output();
 }
 
+TEST(Ros2System, NamesTheTopicsBesideOneThatIsMistyped) {
+  const Host host;
+  Process capture({ProgramPath("sprout-capture"), "--source",
+                   "ros2:left=/cam/lft/image_rect&right=/cam/right/image_rect"});
+  const auto camera = host.Run(Send("/cam", 12));
+  EXPECT_TRUE(Says(capture,
+                   "no message on /cam/lft/camera_info for 5 s; no publisher in domain 0; topics "
+                   "of sensor_msgs/msg/CameraInfo there: /cam/left/camera_info "
+                   "/cam/right/camera_info"))
+      << capture.Output();
+  camera->Signal(SIGKILL);
+  capture.Signal(SIGKILL);
+}
+
 TEST(Ros2System, SaysWhatIsWrongOnATopic) {
   const OtherHost host;
   REQUIRE_HOST(host);
@@ -53,18 +68,12 @@ TEST(Ros2System, SaysWhatIsWrongOnATopic) {
   const auto text = host.Run({"send_text", "/cam/left/image_rect", "9"});
   const auto one = host.Run(Send("/cam", 9));
   const auto two = host.Run(Send("/cam", 9));
-  const auto says = [&](const std::string& what) {
-    for (int i = 0; i < 100; ++i) {
-      if (capture.Output().find(what) != std::string::npos) return true;
-      std::this_thread::sleep_for(100ms);
-    }
-    return false;
-  };
-  EXPECT_TRUE(says("2 publishers on /cam/left/image_rect; allowed is one")) << capture.Output();
+  EXPECT_TRUE(Says(capture, "2 publishers on /cam/left/image_rect; allowed is one"))
+      << capture.Output();
   one->Signal(SIGKILL);
   two->Signal(SIGKILL);
   const auto only_text = host.Run({"send_text", "/cam/left/image_rect", "20"});
-  EXPECT_TRUE(says("no message on /cam/left/image_rect for")) << capture.Output();
+  EXPECT_TRUE(Says(capture, "no message on /cam/left/image_rect for")) << capture.Output();
 }
 
 TEST(Ros2System, TakesAScanOfAnotherHost) {

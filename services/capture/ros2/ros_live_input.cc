@@ -4,10 +4,12 @@
 #include <chrono>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
 #include "common/config/config_error.h"
+#include "common/core/printable.h"
 #include "common/ros/ros_node.h"
 #include "services/capture/ros2/ros_input.h"
 
@@ -165,7 +167,22 @@ class LiveInput : public RosInput {
                          there.of_type + there.of_others, there.of_others, there.other_type,
                          topic.type().name);
     }
-    return there.of_type == 0 ? "no publisher" : fmt::format("{} publishers", there.of_type);
+    return there.of_type == 0 ? OthersText(topic) : fmt::format("{} publishers", there.of_type);
+  }
+
+  // A name that was mistyped is seen beside those that there are.
+  std::string OthersText(const LiveTopic& topic) {
+    constexpr size_t kMost = 20;
+    const std::set<std::string> there = node_->TopicsOf(topic.type());
+    std::string text = fmt::format(
+        "no publisher in domain {}; topics of {} there:", settings_.domain, topic.type().name);
+    size_t count = 0;
+    for (const std::string& name : there) {
+      if (++count <= kMost) text += " " + Printable(name);
+    }
+    if (count == 0) text += " none";
+    if (count > kMost) text += fmt::format(" and {} more", count - kMost);
+    return text;
   }
 
   // What publishers offer, as soon as one of them and our reader did not come together, and each
