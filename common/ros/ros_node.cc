@@ -6,10 +6,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <cstring>
 #include <span>
 #include <string_view>
 #include <utility>
+
+#include "common/core/printable.h"
 
 namespace sprout {
 namespace {
@@ -96,6 +99,13 @@ void OnLog(void* warn, const dds_log_data_t* data) {
   (*static_cast<RosWarnings::Warn*>(warn))("DDS: " + text, is_of_message);
 }
 
+// A domain, and who else had a say: DDS does not tell what is wrong with that.
+std::string PlaceOf(int domain) {
+  const std::string place = "domain " + std::to_string(domain);
+  const char* const uri = std::getenv("CYCLONEDDS_URI");
+  return uri == nullptr ? place : place + " with CYCLONEDDS_URI = '" + Printable(uri) + "'";
+}
+
 template <size_t kBytes>
 void SetBounded(char (&field)[kBytes], std::string_view text) {
   const size_t size = std::min(text.size(), kBytes - 1);
@@ -125,7 +135,7 @@ RosWarnings::~RosWarnings() { dds_set_log_sink(nullptr, nullptr); }
 
 RosNode::RosNode(const RosNodeOptions& options) : name_(options.name) {
   const auto domain = static_cast<dds_domainid_t>(options.domain);
-  const std::string place = "domain " + std::to_string(options.domain);
+  const std::string place = PlaceOf(options.domain);
   const int32_t made = dds_create_domain(domain, CycloneConfig(options.max_message_bytes).c_str());
   // If the domain exists already, another node of this process made it.
   if (made != DDS_RETCODE_PRECONDITION_NOT_MET) domain_ = Checked(made, place);

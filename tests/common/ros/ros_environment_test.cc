@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "common/ros/ros_node.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout {
 namespace {
@@ -36,6 +37,12 @@ TEST_F(RosEnvironment, WithoutItDiscoveryIsCyclonesOwn) {
 
 TEST_F(RosEnvironment, WhatCycloneIsToldComesLast) {
   EXPECT_TRUE(With("CYCLONEDDS_URI", "<CycloneDDS/>").ends_with("</CycloneDDS>,<CycloneDDS/>"));
+}
+
+TEST_F(RosEnvironment, WhatCycloneCannotUseIsNamed) {
+  setenv("CYCLONEDDS_URI", "file:///nowhere.xml", 1);
+  EXPECT_THAT(Thrown<RosError>([] { RosNode({.domain = 7, .name = "x"}); }),
+              HasSubstr("DDS: domain 7 with CYCLONEDDS_URI = 'file:///nowhere.xml': "));
 }
 
 TEST_F(RosEnvironment, LocalhostIsAPeerWithoutMulticast) {
