@@ -54,6 +54,12 @@ RosQos Least(RosQos wanted, const RosQos& offered) {
   return wanted;
 }
 
+// When a publisher sent its first and its newest message.
+struct Heard {
+  Clock::time_point first;
+  Clock::time_point newest;
+};
+
 struct LiveTopic {
   RosRole role;
   std::string name;
@@ -64,11 +70,19 @@ struct LiveTopic {
   Clock::time_point heard = {};
   Clock::time_point next_reminder = {};
   bool was_heard = false;
-  std::map<uint64_t, Clock::time_point> publishers = {};  // when they sent the newest message
+  std::map<uint64_t, Heard> publishers = {};
   size_t told_publishers = 1;
 
   const RosType& type() const { return TypeOf(role, is_compressed); }
 };
+
+// How many send at one time: one that was started again has taken the place of the one before.
+size_t CountAtOnce(const std::map<uint64_t, Heard>& publishers) {
+  Clock::time_point newest_begin{};
+  for (const auto& [number, heard] : publishers) newest_begin = std::max(newest_begin, heard.first);
+  return static_cast<size_t>(std::ranges::count_if(
+      publishers, [&](const auto& one) { return one.second.newest >= newest_begin; }));
+}
 
 class LiveInput : public RosInput {
  public:
@@ -149,7 +163,8 @@ class LiveInput : public RosInput {
     topic.heard = Clock::now();
     topic.was_heard = true;
     topic.next_reminder = topic.heard + kSilence;
-    topic.publishers[taken->publisher] = topic.heard;
+    topic.publishers.try_emplace(taken->publisher, Heard{.first = topic.heard, .newest = {}})
+        .first->second.newest = topic.heard;
     if (taken->is_too_big) {
       reports_.Refuse(topic.name,
                       fmt::format("{} bytes: allowed are up to {} with this calibration",
@@ -221,7 +236,7 @@ class LiveInput : public RosInput {
 
   void LookAt(LiveTopic& topic, Clock::time_point now) {
     std::erase_if(topic.publishers,
-                  [&](const auto& one) { return one.second + kPublisherLives < now; });
+                  [&](const auto& one) { return one.second.newest + kPublisherLives < now; });
     if (topic.role == RosRole::kTf) return;  // once is enough, and everybody may
     Adapt(topic, node_->PublishersOf(topic.name, topic.type()));
     // A latched calibration needs no second message.
@@ -232,7 +247,7 @@ class LiveInput : public RosInput {
                                 PublishersText(topic)));
       topic.next_reminder = now + kReminder;
     }
-    const size_t count = topic.publishers.size();
+    const size_t count = CountAtOnce(topic.publishers);
     if (count > 1 && count != topic.told_publishers) {
       reports_.tell(fmt::format("{} publishers on {}; allowed is one", count, topic.name));
     }
