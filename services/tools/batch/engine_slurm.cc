@@ -39,10 +39,24 @@ std::string Sbatch(const fs::path& script, const std::vector<std::string>& flags
   Process process(command);
   const auto code = process.Wait(std::chrono::seconds(120));
   std::string id = process.Output();
+  while (id.ends_with('\n')) id.pop_back();
   if (code != 0) {
     throw ConfigError("sbatch: " + (code == 127 ? "not found; is Slurm installed here?" : id));
   }
   return id.substr(0, id.find_first_not_of("0123456789"));  // "12;cluster"
+}
+
+// A job behind one that is submitted already.
+std::string SbatchBehind(const std::string& job, const fs::path& script,
+                         const std::vector<std::string>& flags) {
+  try {
+    return Sbatch(script, flags);
+  } catch (const ConfigError& e) {
+    throw ConfigError(
+        fmt::format("{}; job {} computes all the same: when it has ended, the same "
+                    "command writes table and report, or scancel {}",
+                    e.what(), job, job));
+  }
 }
 
 std::vector<std::string> SbatchFlags(const BatchFolder& folder, const SlurmOptions& options,
@@ -103,10 +117,11 @@ std::string SubmitSlurm(const std::string& program, const BatchFolder& folder,
   flags.push_back(fmt::format("--array=0-{}", count - 1));
   flags.push_back("--output=" + (slurm / "compute_%A_%a.txt").string());
   const std::string array_job = Sbatch(compute, flags);
+  WriteText(slurm / "jobs", array_job + "\n");  // also if the next one is refused
   flags = SbatchFlags(folder, options, "finish");
   flags.push_back("--dependency=afterany:" + array_job);
   flags.push_back("--output=" + (slurm / "finish_%j.txt").string());
-  const std::string finish_job = Sbatch(finish, flags);
+  const std::string finish_job = SbatchBehind(array_job, finish, flags);
   WriteText(slurm / "jobs", array_job + "," + finish_job + "\n");
   return fmt::format("submitted: {} logs in the {} tasks of job {}, then table and report ({})",
                      state.missing, count, array_job, finish_job);

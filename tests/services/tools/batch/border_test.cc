@@ -2,11 +2,13 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <fstream>
 
 #include "common/app/process.h"
 #include "common/config/config.h"
 #include "common/logfile/log_error.h"
+#include "services/tools/batch/engines.h"
 #include "services/tools/batch/frame_table.h"
 #include "services/tools/batch/log_task.h"
 #include "services/tools/batch/planning.h"
@@ -77,6 +79,25 @@ std::string CallsOf(const std::string& name) {
   return "sprout-view\n--log\n" + log + "\n--frame\n7\n" + prefix + "sprout-refine" + start +
          "--record\nrefine_a.lcm\n" + prefix + "sprout-prior" + start +
          "--replay\nrefine_a.lcm\n--record\nprior_a.lcm\n" + prefix;
+}
+
+TEST(Slurm, AnArrayWhoseReportIsRefusedIsKnown) {
+  const TemporaryDirectory folder;
+  WriteFile(folder / "sbatch",
+            "#!/bin/sh\ncase \"$*\" in *finish*) echo 'too many jobs'; exit 1 ;; esac\necho 7\n");
+  WriteFile(folder / "squeue", "#!/bin/sh\necho 7_0\n");
+  for (const char* name : {"sbatch", "squeue"}) {
+    fs::permissions(folder / name, fs::perms::owner_all);
+  }
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", ((folder / "").string() + ":" + path).c_str(), /*overwrite=*/1);
+  const BatchFolder out(folder / "out");
+  const std::string error = Thrown<ConfigError>(
+      [&] { SubmitSlurm("sprout-batch", out, {.done = {false}, .missing = 1}, {}, 0); });
+  const std::string active = ActiveJobs(out);
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_THAT(error, HasSubstr("sbatch: too many jobs; job 7 computes all the same"));
+  EXPECT_EQ(active, "7");
 }
 
 TEST(FrameCommands, StandForThemselvesInAShellWhateverIsInTheNames) {
