@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <set>
 #include <sstream>
 
 #include "common/core/digest.h"
@@ -59,6 +60,32 @@ bool IsDone(const BatchFolder& folder, const Manifest& manifest, int log) {
   return !Compares(manifest) || IsWhole(folder.comparison(manifest, log), ResultCheck::kQuick);
 }
 
+bool IsLinkToAnswers(const fs::path& path) {
+  std::error_code none;
+  return fs::read_symlink(path, none).string().starts_with("../results/");
+}
+
+// @throws LogError when that is no link to answers, but somebody's log.
+void RemoveLink(const fs::path& link) {
+  if (IsLinkToAnswers(link)) {
+    fs::remove(link);
+  } else if (fs::exists(fs::symlink_status(link))) {
+    throw LogError(link, "is where a link to answers belongs; allowed: another --out");
+  }
+}
+
+// Those of logs and variants that an earlier batch had.
+void RemoveOldLinks(const BatchFolder& folder, const Manifest& manifest) {
+  std::set<fs::path> old;
+  for (const auto& entry : fs::directory_iterator(folder.root() / "logs")) {
+    if (IsLinkToAnswers(entry.path())) old.insert(entry.path());
+  }
+  for (const BatchLog& log : manifest.log()) {
+    for (int i = 0; i < manifest.variant_size(); ++i) old.erase(folder.answers(log, i));
+  }
+  for (const fs::path& link : old) fs::remove(link);
+}
+
 // @returns false when the result is damaged.
 bool LinkOne(const BatchFolder& folder, const Manifest& manifest, int log, int variant) {
   const fs::path result = folder.result(manifest, log, variant);
@@ -66,7 +93,7 @@ bool LinkOne(const BatchFolder& folder, const Manifest& manifest, int log, int v
   const fs::path target = fs::relative(result, link.parent_path()) / kAnswers;
   std::error_code none;
   if (fs::read_symlink(link, none) == target) return true;
-  fs::remove(link);
+  RemoveLink(link);
   if (!IsWhole(result, ResultCheck::kAll)) {
     std::cerr << fmt::format("sprout-batch: {}: damaged; log {} is computed again\n",
                              result.string(), log);
@@ -195,13 +222,14 @@ BatchState StateOf(const BatchFolder& folder, const Manifest& manifest) {
 
 BatchState LinkAnswers(const BatchFolder& folder, const Manifest& manifest) {
   fs::create_directories(folder.root() / "logs");
+  RemoveOldLinks(folder, manifest);
   BatchState state = StateOf(folder, manifest);
   for (int log = 0; log < manifest.log_size(); ++log) {
     const auto at = static_cast<size_t>(log);
     for (int i = 0; i < manifest.variant_size(); ++i) {
       Interrupt::Check();
       if (!state.done[at]) {
-        fs::remove(folder.answers(manifest.log(log), i));  // of an earlier batch
+        RemoveLink(folder.answers(manifest.log(log), i));  // of an earlier batch
       } else if (!LinkOne(folder, manifest, log, i)) {
         state.done[at] = false;
         ++state.missing;

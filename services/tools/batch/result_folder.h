@@ -63,8 +63,10 @@ BatchState StateOf(const BatchFolder& folder, const Manifest& manifest);
 
 /// The same, and links logs/NAME_a.lcm and NAME_b.lcm to the answers of the logs that are done.
 /// Answers that have no link yet are read for their digests: damaged ones do not count as done, and
-/// lose their list of files, so that they are computed again; one line on stderr each.
-/// @throws Interrupted; std::filesystem::filesystem_error when a link cannot be made.
+/// lose their list of files, so that they are computed again; one line on stderr each. Links of an
+/// earlier batch go.
+/// @throws Interrupted; LogError when something else is in a link's place;
+///         std::filesystem::filesystem_error when a link cannot be made.
 BatchState LinkAnswers(const BatchFolder& folder, const Manifest& manifest);
 
 /// Removes what killed processes left: folders that were not renamed yet.

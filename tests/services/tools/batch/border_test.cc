@@ -258,13 +258,30 @@ class LinkedAnswers : public testing::Test {
 
 TEST_F(LinkedAnswers, AreThoseOfLogsThatAreDone) {
   fs::create_directory(folder_ / "logs");
-  WriteFile(batch_.answers(manifest_.log(1), 0), "of an earlier batch");
+  fs::create_symlink("../results/ab/abc/answers.lcm", batch_.answers(manifest_.log(1), 0));
+  fs::create_symlink("../results/ab/abc/answers.lcm", folder_ / "logs/gone_b.lcm");
+  WriteFile(folder_ / "logs/mine.lcm", "a log");
   const BatchState state = LinkAnswers(batch_, manifest_);
   EXPECT_THAT(state.done, ElementsAre(true, false));
   EXPECT_EQ(state.missing, 1);
   EXPECT_THAT(FileText(link_), SizeIs(1000));
   EXPECT_TRUE(fs::read_symlink(link_).is_relative());  // the folder may be moved
-  EXPECT_FALSE(fs::exists(batch_.answers(manifest_.log(1), 0)));
+  std::set<fs::path> left;
+  for (const auto& entry : fs::directory_iterator(folder_ / "logs")) left.insert(entry.path());
+  EXPECT_THAT(left, ElementsAre(folder_ / "logs/mine.lcm", link_));
+}
+
+// OUT is the folder above that of the logs, one of which is called as another one's answers.
+TEST_F(LinkedAnswers, ReplaceNobodysLog) {
+  fs::create_directory(folder_ / "logs");
+  for (const int log : {0, 1}) {
+    const fs::path taken = batch_.answers(manifest_.log(log), 0);
+    WriteFile(taken, "a log");
+    EXPECT_THAT(Thrown<LogError>([&] { LinkAnswers(batch_, manifest_); }),
+                HasSubstr("is where a link to answers belongs; allowed: another --out"));
+    EXPECT_EQ(FileText(taken), "a log");
+    fs::remove(taken);
+  }
 }
 
 TEST_F(LinkedAnswers, AreNotThoseWithAFlippedBit) {
