@@ -264,6 +264,16 @@ class LogTask {
   LogTry& attempt_;
 };
 
+// The number in "LOG.TRY.txt"; nothing for other people's files.
+std::optional<int> LogOfTry(const fs::directory_entry& file) {
+  const fs::path name = file.path().filename();
+  const fs::path numbers = name.stem();
+  const std::string attempt = numbers.extension();
+  const bool is_try = name.extension() == ".txt" && file.is_regular_file() && !attempt.empty() &&
+                      ParseNumber<int>(std::string_view(attempt).substr(1));
+  return is_try ? ParseNumber<int>(numbers.stem().string()) : std::nullopt;
+}
+
 }  // namespace
 
 FileStamp StampOf(const fs::path& log) {
@@ -320,13 +330,19 @@ std::map<int, int> FailedTries(const BatchFolder& folder) {
   std::map<int, int> tries;
   std::error_code none;
   for (const auto& file : std::filesystem::directory_iterator(folder.failures(), none)) {
-    const std::string name = file.path().filename();
-    const size_t dot = name.find('.');
-    if (dot == std::string::npos) continue;
-    const auto log = ParseNumber<int>(std::string_view(name).substr(0, dot));
-    if (log) ++tries[*log];
+    if (const auto log = LogOfTry(file)) ++tries[*log];
   }
   return tries;
+}
+
+void ForgetTries(const BatchFolder& folder) {
+  std::vector<std::filesystem::path> tries;
+  std::error_code none;
+  for (const auto& file : std::filesystem::directory_iterator(folder.failures(), none)) {
+    if (LogOfTry(file)) tries.push_back(file.path());
+  }
+  for (const auto& path : tries) std::filesystem::remove(path);
+  std::filesystem::remove(folder.failures(), none);  // others' files keep it
 }
 
 void ForgetTry(const BatchFolder& folder, int log) {

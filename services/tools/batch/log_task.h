@@ -69,6 +69,9 @@ std::map<int, int> FailedTries(const BatchFolder& folder);
 /// File of the last of them. @pre `tries` > 0, as FailedTries() says.
 std::filesystem::path TryPath(const BatchFolder& folder, int log, int tries);
 
+/// Does not count any try; other files stay.
+void ForgetTries(const BatchFolder& folder);
+
 /// Does not count the last try of a log, which was ended by Ctrl-C.
 void ForgetTry(const BatchFolder& folder, int log);
 

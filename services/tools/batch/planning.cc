@@ -242,7 +242,7 @@ Manifest Plan(const BatchRequest& request, const std::string& program) {
     WriteText(folder.config(static_cast<int>(i)), ConfigText(configs[i]));
   }
   if (ConfigText(manifest) == before) return manifest;
-  fs::remove_all(folder.failures());  // its logs had other numbers
+  ForgetTries(folder);  // its logs had other numbers
   WriteText(folder.manifest(), ConfigText(manifest));
   return manifest;
 }

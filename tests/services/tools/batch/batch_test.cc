@@ -149,6 +149,21 @@ TEST(LogTry, LeavesAFileOfEachTryThatDidNotSucceed) {
   EXPECT_EQ(FailedTries(batch), (std::map<int, int>{{7, 1}}));
 }
 
+// OUT may be a folder in which somebody keeps logs in `failed`, too.
+TEST(LogTry, ForgettingAllLeavesWhatIsNone) {
+  const TemporaryDirectory folder;
+  const BatchFolder batch(folder / "");
+  LogTry(batch, 12).Fail("why");
+  for (const char* name : {"1.lcm", "notes.txt", "12.b.txt"}) {
+    std::ofstream(batch.failures() / name) << "mine";
+  }
+  ForgetTries(batch);
+  EXPECT_FALSE(std::filesystem::exists(TryPath(batch, 12, 1)));
+  for (const char* name : {"1.lcm", "notes.txt", "12.b.txt"}) {
+    EXPECT_TRUE(std::filesystem::exists(batch.failures() / name)) << name;
+  }
+}
+
 // Three logs: x is done at the second try, y failed for good, z was not tried.
 class LossesOfABatch : public testing::Test {
  protected:
