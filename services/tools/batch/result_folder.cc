@@ -10,6 +10,7 @@
 #include <iostream>
 #include <set>
 #include <sstream>
+#include <string_view>
 
 #include "common/core/digest.h"
 #include "common/core/host_name.h"
@@ -84,6 +85,13 @@ void RemoveOldLinks(const BatchFolder& folder, const Manifest& manifest) {
     for (int i = 0; i < manifest.variant_size(); ++i) old.erase(folder.answers(log, i));
   }
   for (const fs::path& link : old) fs::remove(link);
+}
+
+// Whether a folder is called as ResultFolder calls an unfinished one: DIGEST.part-HOST-PROCESS.
+bool IsPart(std::string_view name) {
+  constexpr size_t kDigits = 16;
+  return name.find_first_not_of("0123456789abcdef") == kDigits &&
+         name.substr(kDigits).starts_with(".part-");
 }
 
 // @returns false when the result is damaged.
@@ -244,10 +252,9 @@ void RemoveParts(const BatchFolder& folder) {
   for (const char* const kind : {"results", "comparisons"}) {
     if (!fs::exists(folder.root() / kind)) continue;
     for (const auto& group : fs::directory_iterator(folder.root() / kind)) {
+      if (!group.is_directory()) continue;  // somebody else's
       for (const auto& result : fs::directory_iterator(group)) {
-        if (result.path().filename().string().find(".part-") != std::string::npos) {
-          parts.push_back(result.path());
-        }
+        if (IsPart(result.path().filename().string())) parts.push_back(result.path());
       }
     }
   }

@@ -296,6 +296,18 @@ TEST_F(LinkedAnswers, AreNotThoseWithAFlippedBit) {
   EXPECT_TRUE(fs::exists(link_));
 }
 
+TEST(RemoveParts, LeavesWhatIsSomebodyElses) {
+  const TemporaryDirectory folder;
+  const fs::path part = folder / "results/ab/abababababababab.part-host-7";
+  const fs::path mine = folder / "results/maps/map.part-1";
+  fs::create_directories(part);
+  fs::create_directories(mine);
+  WriteFile(folder / "results/notes.txt", "mine");
+  RemoveParts(BatchFolder(folder / ""));
+  EXPECT_FALSE(fs::exists(part));
+  EXPECT_TRUE(fs::exists(mine));
+}
+
 TEST(Tables, AreRefusedWhenTheyAreNotOfFrames) {
   const TemporaryDirectory folder;
   const fs::path path = folder / "t.csv";
