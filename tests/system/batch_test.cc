@@ -366,7 +366,7 @@ TEST(BatchSlurm, ThirtyLogsGiveTheBytesOfTheLocalEngineThoughANodeAndATaskAreKil
                                  "--array-size", "6", "--partition", "test"});
   const Outcome submitted = RunProgramOf(command);
   ASSERT_EQ(submitted.exit_code, 0) << submitted.output;
-  EXPECT_THAT(RunProgramOf(command).output, HasSubstr("are running there; wait, or scancel"));
+  EXPECT_THAT(RunProgramOf(command).output, HasSubstr("; wait, or scancel"));
 
   // In the middle: a node dies with what it works on, and a task is killed on the other.
   ASSERT_TRUE(Eventually([&] { return CountResults(slurm) > 0; }, std::chrono::seconds(90)));

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <map>
+#include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/app/process.h"
@@ -90,6 +93,23 @@ std::string ActiveJobs(const BatchFolder& folder) {
     }
   }
   return active;
+}
+
+std::string StatesOfJobs(const std::string& jobs) {
+  Process process({"squeue", "--noheader", "--format=%T (%r)", "--jobs=" + jobs});
+  process.Wait(std::chrono::seconds(60));
+  std::map<std::string, int> states;
+  std::istringstream lines(process.Output());
+  for (std::string state; std::getline(lines, state);) {
+    constexpr std::string_view kNoReason = " (None)";
+    if (state.ends_with(kNoReason)) state.resize(state.size() - kNoReason.size());
+    ++states[Printable(state)];
+  }
+  std::string text;
+  for (const auto& [state, count] : states) {
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, state);
+  }
+  return text;
 }
 
 std::string SubmitSlurm(const std::string& program, const BatchFolder& folder,

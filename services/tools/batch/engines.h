@@ -40,6 +40,10 @@ std::string SubmitSlurm(const std::string& program, const BatchFolder& folder,
 /// Jobs of the batch that Slurm still has, "12,13"; empty: none, or no Slurm here.
 std::string ActiveJobs(const BatchFolder& folder);
 
+/// How many tasks of these jobs are in which state, and why: "2 RUNNING, 1 PENDING (Dependency)".
+/// Slurm counts tasks of an array that wait for the same as one.
+std::string StatesOfJobs(const std::string& jobs);
+
 }  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_TOOLS_BATCH_ENGINES_H_

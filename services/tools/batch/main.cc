@@ -93,9 +93,8 @@ int RunRun(Options& options) {
   const FolderLock lock(folder);
   const Interrupt interrupt;
   if (const std::string jobs = ActiveJobs(folder); !jobs.empty()) {
-    throw ConfigError(
-        fmt::format("--out {}: Slurm's jobs {} are running there; wait, or scancel {}",
-                    folder.root().string(), jobs, jobs));
+    throw ConfigError(fmt::format("--out {}: Slurm's jobs {} are there ({}); wait, or scancel {}",
+                                  folder.root().string(), jobs, StatesOfJobs(jobs), jobs));
   }
   RemoveParts(folder);
   const Manifest manifest = Plan(options.request, OwnPath());
@@ -157,7 +156,7 @@ int RunStatus(const Options& options) {
   }
   SayLeftOut(manifest);
   const std::string jobs = ActiveJobs(folder);
-  if (!jobs.empty()) std::cout << "Slurm's jobs " << jobs << " are running\n";
+  if (!jobs.empty()) std::cout << "Slurm's jobs " << jobs << ": " << StatesOfJobs(jobs) << "\n";
   return state.missing == 0 && manifest.left_out().empty() ? 0 : 1;
 }
 

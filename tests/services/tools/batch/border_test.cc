@@ -85,7 +85,9 @@ TEST(Slurm, AnArrayWhoseReportIsRefusedIsKnown) {
   const TemporaryDirectory folder;
   WriteFile(folder / "sbatch",
             "#!/bin/sh\ncase \"$*\" in *finish*) echo 'too many jobs'; exit 1 ;; esac\necho 7\n");
-  WriteFile(folder / "squeue", "#!/bin/sh\necho 7_0\n");
+  WriteFile(folder / "squeue",
+            "#!/bin/sh\ncase \"$*\" in *%T*) echo 'RUNNING (None)'; echo 'RUNNING (None)'; "
+            "echo 'PENDING (Resources)' ;; *) echo 7_0 ;; esac\n");
   for (const char* name : {"sbatch", "squeue"}) {
     fs::permissions(folder / name, fs::perms::owner_all);
   }
@@ -95,9 +97,11 @@ TEST(Slurm, AnArrayWhoseReportIsRefusedIsKnown) {
   const std::string error = Thrown<ConfigError>(
       [&] { SubmitSlurm("sprout-batch", out, {.done = {false}, .missing = 1}, {}, 0); });
   const std::string active = ActiveJobs(out);
+  const std::string states = StatesOfJobs(active);
   setenv("PATH", path.c_str(), 1);
   EXPECT_THAT(error, HasSubstr("sbatch: too many jobs; job 7 computes all the same"));
   EXPECT_EQ(active, "7");
+  EXPECT_EQ(states, "1 PENDING (Resources), 2 RUNNING");
 }
 
 TEST(FrameCommands, StandForThemselvesInAShellWhateverIsInTheNames) {
