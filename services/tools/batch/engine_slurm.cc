@@ -49,6 +49,13 @@ std::string Sbatch(const fs::path& script, const std::vector<std::string>& flags
   return id.substr(0, id.find_first_not_of("0123456789"));  // "12;cluster"
 }
 
+// @param name  in which Slurm replaces "%j" and its like; the folder stands for itself.
+std::string OutputFlag(const fs::path& folder, const std::string& name) {
+  std::string flag = "--output=";
+  for (const char letter : folder.string()) flag += letter == '%' ? "%%" : std::string(1, letter);
+  return flag + "/" + name;
+}
+
 // A job behind one that is submitted already.
 std::string SbatchBehind(const std::string& job, const fs::path& script,
                          const std::vector<std::string>& flags) {
@@ -135,12 +142,12 @@ std::string SubmitSlurm(const std::string& program, const BatchFolder& folder,
 
   auto flags = SbatchFlags(folder, options, "compute");
   flags.push_back(fmt::format("--array=0-{}", count - 1));
-  flags.push_back("--output=" + (slurm / "compute_%A_%a.txt").string());
+  flags.push_back(OutputFlag(slurm, "compute_%A_%a.txt"));
   const std::string array_job = Sbatch(compute, flags);
   WriteText(slurm / "jobs", array_job + "\n");  // also if the next one is refused
   flags = SbatchFlags(folder, options, "finish");
   flags.push_back("--dependency=afterany:" + array_job);
-  flags.push_back("--output=" + (slurm / "finish_%j.txt").string());
+  flags.push_back(OutputFlag(slurm, "finish_%j.txt"));
   const std::string finish_job = SbatchBehind(array_job, finish, flags);
   WriteText(slurm / "jobs", array_job + "," + finish_job + "\n");
   return fmt::format("submitted: {} logs in the {} tasks of job {}, then table and report ({})",

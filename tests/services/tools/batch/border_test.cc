@@ -84,7 +84,8 @@ std::string CallsOf(const std::string& name) {
 TEST(Slurm, AnArrayWhoseReportIsRefusedIsKnown) {
   const TemporaryDirectory folder;
   WriteFile(folder / "sbatch",
-            "#!/bin/sh\ncase \"$*\" in *finish*) echo 'too many jobs'; exit 1 ;; esac\necho 7\n");
+            "#!/bin/sh\ncase \"$*\" in *finish*) echo 'too many jobs'; exit 1 ;; esac\n"
+            "echo \"$*\" > \"$0.calls\"\necho 7\n");
   WriteFile(folder / "squeue",
             "#!/bin/sh\ncase \"$*\" in *%T*) echo 'RUNNING (None)'; echo 'RUNNING (None)'; "
             "echo 'PENDING (Resources)' ;; *) echo 7_0 ;; esac\n");
@@ -93,7 +94,7 @@ TEST(Slurm, AnArrayWhoseReportIsRefusedIsKnown) {
   }
   const std::string path = std::getenv("PATH");
   setenv("PATH", ((folder / "").string() + ":" + path).c_str(), /*overwrite=*/1);
-  const BatchFolder out(folder / "out");
+  const BatchFolder out(folder / "50%A");
   const std::string error = Thrown<ConfigError>(
       [&] { SubmitSlurm("sprout-batch", out, {.done = {false}, .missing = 1}, {}, 0); });
   const std::string active = ActiveJobs(out);
@@ -101,6 +102,7 @@ TEST(Slurm, AnArrayWhoseReportIsRefusedIsKnown) {
   setenv("PATH", path.c_str(), 1);
   EXPECT_THAT(error, HasSubstr("sbatch: too many jobs; job 7 computes all the same"));
   EXPECT_EQ(active, "7");
+  EXPECT_THAT(FileText(folder / "sbatch.calls"), HasSubstr("/50%%A/slurm/compute_%A_%a.txt "));
   EXPECT_EQ(states, "1 PENDING (Resources), 2 RUNNING");
 }
 
