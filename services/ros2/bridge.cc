@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <exception>
+#include <set>
 #include <utility>
 
 #include "common/app/status_board.h"
@@ -28,6 +29,17 @@ void RequirePrefix(const std::string& prefix) {
   if (is_name) return;
   throw ConfigError("ros2.prefix = '" + prefix +
                     "': allowed are names as /robot/front, of letters, digits and '_'");
+}
+
+// A transform has two frames.
+void RequireOwnFrames(const Ros2Config& config) {
+  const std::set<std::string> frames = {config.left_frame(), config.right_frame(),
+                                        config.tof_frame()};
+  if (frames.size() == 3) return;
+  throw ConfigError(
+      "ros2.left_frame, right_frame, tof_frame = '" + config.left_frame() + "', '" +
+      config.right_frame() + "', '" + config.tof_frame() +
+      "': allowed are names that differ, since /tf_static says how these frames stand");
 }
 
 void RequireFrame(const char* field, const std::string& frame) {
@@ -82,6 +94,7 @@ Bridge::Bridge(const Ros2Config& config, const DepthConfig& depth, StageMonitor&
   RequireFrame("left_frame", config.left_frame());
   RequireFrame("right_frame", config.right_frame());
   RequireFrame("tof_frame", config.tof_frame());
+  RequireOwnFrames(config);
   for (const RosTopicRow* row : ChosenTopics(config)) {
     const std::string name = RosTopicName(*row, config.prefix());
     const RosQos qos = QosOf(*row, config.reliable());

@@ -126,6 +126,13 @@ TEST(Ros2System, ASubscriberThatSleepsStopsNobody) {
   EXPECT_GE(heard + status.frames_failed, status.frames_in) << awake->Output();
 }
 
+TEST(Ros2System, RefusesAFrameThatStandsInItself) {
+  Process bridge({ProgramPath("sprout-ros2"), "--config",
+                  "ros2 { left_frame: \"camera\" tof_frame: \"camera\" }"});
+  EXPECT_EQ(bridge.Wait(20s), 2);
+  EXPECT_THAT(bridge.Output(), testing::HasSubstr("allowed are names that differ"));
+}
+
 TEST(Ros2System, CountsFramesThatNeverCame) {
   const OtherHost host;
   REQUIRE_HOST(host);
