@@ -103,6 +103,24 @@ void OnLaterAnswer(Part part, std::span<const uint8_t> bytes, FramesUnderWay& un
   if (id) part == kLastAnswer ? under_way.Answered(*id) : under_way.Passed(*id);
 }
 
+// What came while this process was stopped is old, and the kernel keeps its beginning alone where
+// it is more than fits: waits for a frame that came after it, or, if none does, takes the newest.
+void TakeNewest(Arrival& arrival, Mailbox<Arrival>& mailbox, Receiver& receiver,
+                StageMonitor& monitor, const std::stop_token& stop) {
+  constexpr std::chrono::milliseconds kPatience{250};
+  bool is_behind = receiver.IsBehind();
+  auto until = StageMonitor::Clock::now();
+  while (!stop.stop_requested() && (is_behind || StageMonitor::Clock::now() < until)) {
+    if (is_behind) until = StageMonitor::Clock::now() + kPatience;
+    if (auto newer = mailbox.TakeWithin(std::chrono::milliseconds(1), stop)) {
+      arrival = *std::move(newer);
+      monitor.FrameSkipped();
+      if (!is_behind) return;
+    }
+    is_behind = receiver.IsBehind();
+  }
+}
+
 void OnStatus(std::span<const uint8_t> bytes, StageMonitor& monitor, DuplicateWatch& duplicates) {
   const Result<StageStatus> status = DecodeStatus(bytes);
   status ? duplicates.Heard(*status) : monitor.BadMessage(kStatusChannel, status.error().text);
@@ -148,7 +166,7 @@ void RunLive(const ServiceContext& context, StageAdapter& adapter, std::span<Sta
   }
   FramesUnderWay under_way;
   Preparation preparation(std::max<size_t>(1, steps.size()));
-  const Receiver receiver(
+  Receiver receiver(
       context.lcm_url, context.prefix, channels,
       [&](std::string_view channel, std::span<const uint8_t> bytes) {
         if (channel == kStatusChannel) return OnStatus(bytes, monitor, duplicates);
@@ -174,7 +192,8 @@ void RunLive(const ServiceContext& context, StageAdapter& adapter, std::span<Sta
   while (!context.stop.stop_requested()) {
     watchdog.Idle();
     if (!under_way.WaitForRoom(Watchdog::kIdlePeriod, context.stop)) continue;
-    const auto arrival = mailbox.TakeWithin(preparation.Period(), context.stop);
+    auto arrival = mailbox.TakeWithin(preparation.Period(), context.stop);
+    if (arrival) TakeNewest(*arrival, mailbox, receiver, monitor, context.stop);
     watchdog.Idle();
     if (!arrival) {
       preparation.Continue();

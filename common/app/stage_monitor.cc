@@ -82,7 +82,15 @@ StageMonitor::StageMonitor(const std::string& stage, const std::string& config_d
 void StageMonitor::FrameIn(bool skipped) {
   const std::lock_guard lock(mutex_);
   ++status_.frames_in;
-  if (!skipped) return;
+  if (skipped) SkippedLocked();
+}
+
+void StageMonitor::FrameSkipped() {
+  const std::lock_guard lock(mutex_);
+  SkippedLocked();
+}
+
+void StageMonitor::SkippedLocked() {
   ++status_.frames_skipped;
   trouble_ = now_();
 }

@@ -33,6 +33,9 @@ class StageMonitor {
   /// A complete frame arrived; `skipped` if it replaced one that was not processed.
   void FrameIn(bool skipped);
 
+  /// A frame that arrived was replaced by a newer one before any work on it.
+  void FrameSkipped();
+
   /// A frame was answered. Warns if it was captured in the future: then the clocks of this host and
   /// of capture's host differ, and ages are wrong.
   /// @param arrived     when it was complete.
@@ -112,6 +115,7 @@ class StageMonitor {
     bool logged = false;  // the log has a line of it, and so gets one when it is over
   };
 
+  void SkippedLocked();
   void TellLocked(const std::string& error);
   void HoldLocked(std::string& held, const std::string& text, bool show);
   std::string NewestHeldLocked() const;

@@ -53,6 +53,11 @@ Receiver::Receiver(const std::string& url, const std::string& prefix,
   });
 }
 
+bool Receiver::IsBehind() {
+  const std::lock_guard lock(mutex_);
+  return late_ > 0 || (udpm_ && udpm_->is_behind());
+}
+
 void Receiver::Subscribe(const std::vector<std::string>& names, const std::string& url) {
   tcpq_ = OpenLcm(url);
   for (const std::string& name : names) {
@@ -98,9 +103,12 @@ void Receiver::Enqueue(std::string_view name, MessageBytes bytes) {
   const std::string_view channel = name.substr(prefix_length_);
   const size_t taken = bytes.size + kOverheadBytes;
   try {
-    Message message{.channel = std::string(channel), .bytes = std::move(bytes)};
+    Message message{.channel = std::string(channel),
+                    .bytes = std::move(bytes),
+                    .is_late = udpm_ && udpm_->is_behind()};
     const std::lock_guard lock(mutex_);
     if (queued_bytes_ + taken <= max_queued_bytes_) {
+      late_ += message.is_late;
       queue_.push_back(std::move(message));
       queued_bytes_ += taken;
       filled_.notify_one();
@@ -125,6 +133,8 @@ void Receiver::Handle(const std::stop_token& stop) {
     } catch (const std::exception&) {  // out of memory: must not end the process
       if (dropped_) dropped_(message.channel);
     }
+    lock.lock();
+    late_ -= message.is_late;
   }
 }
 

@@ -51,6 +51,10 @@ class Receiver {
   /// Stops within 0.1 s; the handler is not called any more.
   ~Receiver() = default;
 
+  /// Whether this process was stopped, or got no core, for more than a quarter of a second, and has
+  /// not handled all that came meanwhile. With udpm; of tcpq it is not known. Thread-safe.
+  bool IsBehind();
+
   Receiver(const Receiver&) = delete;
   Receiver& operator=(const Receiver&) = delete;
 
@@ -58,6 +62,7 @@ class Receiver {
   struct Message {
     std::string channel;  // without prefix
     MessageBytes bytes;
+    bool is_late;  // came while we did not run
   };
 
   void Subscribe(const std::vector<std::string>& names, const std::string& url);
@@ -75,6 +80,7 @@ class Receiver {
   std::condition_variable_any filled_;
   std::deque<Message> queue_;
   size_t queued_bytes_ = 0;
+  size_t late_ = 0;                 // messages queued or being handled
   std::optional<UdpmSocket> udpm_;  // one of the two
   LcmPtr tcpq_;
   // The last member, so that the thread stops before the rest is destroyed.

@@ -20,6 +20,10 @@ constexpr size_t kLargestDatagram = 65536;
 // After so long without a datagram the group is joined again.
 constexpr std::chrono::seconds kSilence{1};
 
+// The thread runs at least every kPatience. Whoever did not for so long was stopped, or got no
+// core.
+constexpr std::chrono::milliseconds kStopped{250};
+
 // Joins the group on the device to which its route leads. Of a device that is gone, as an adapter
 // that is unplugged or a VPN that starts again, the kernel forgets who has joined.
 bool Join(int fd, const in_addr& address) {
@@ -62,12 +66,19 @@ void UdpmSocket::Receive(const std::stop_token& stop,
   using Clock = std::chrono::steady_clock;
   std::vector<uint8_t> datagram(kLargestDatagram);
   Clock::time_point heard = Clock::now();
+  Clock::time_point ran = heard;
   while (!stop.stop_requested()) {
     sockaddr_in sender{};
     socklen_t sender_bytes = sizeof sender;
-    const ssize_t bytes = recvfrom(socket_, datagram.data(), datagram.size(), 0,
-                                   reinterpret_cast<sockaddr*>(&sender), &sender_bytes);
+    const ssize_t bytes =
+        recvfrom(socket_, datagram.data(), datagram.size(), is_behind_ ? MSG_DONTWAIT : 0,
+                 reinterpret_cast<sockaddr*>(&sender), &sender_bytes);
     const Clock::time_point now = Clock::now();
+    if (now - std::exchange(ran, now) > kStopped) {
+      is_behind_ = true;
+    } else if (bytes <= 0) {
+      is_behind_ = false;
+    }
     if (bytes > 0 || now - heard > kSilence) heard = now;
     if (bytes <= 0) {
       // Where it is joined this does nothing.

@@ -1,6 +1,7 @@
 #ifndef SPROUT_COMMON_BUS_UDPM_SOCKET_H_
 #define SPROUT_COMMON_BUS_UDPM_SOCKET_H_
 
+#include <atomic>
 #include <functional>
 #include <stop_token>
 #include <string>
@@ -28,9 +29,14 @@ class UdpmSocket {
   void Receive(const std::stop_token& stop,
                const std::function<void(DatagramJoiner::Message)>& on_message);
 
+  /// Whether Receive() did not run for a while, as in a process that was stopped, and has not read
+  /// all that came meanwhile. Thread-safe.
+  bool is_behind() const { return is_behind_; }
+
  private:
   UdpmAddress address_;
   int socket_;
+  std::atomic<bool> is_behind_ = false;
   DatagramJoiner joiner_;
 };
 
