@@ -14,6 +14,10 @@
 namespace sprout::capture {
 namespace {
 
+// A clock that was set back by more, or a single stamp that was ahead, is followed at once: frames
+// that are stamped 1 µs apart until the clock is there again would be wrong for hours.
+constexpr int64_t kMaxHeldUs = 1'000'000;
+
 class SourceFeed : public CaptureFeed {
  public:
   // If there is no rig, frames are not rectified. `current` is null when that is done elsewhere.
@@ -45,12 +49,13 @@ class SourceFeed : public CaptureFeed {
     }
     const int64_t utime = frame->utime ? *frame->utime : now_();
     const int64_t set_back_us = std::exchange(sources_utime_, utime) - utime;
-    if (!source_->is_recorded())
-      SayClockSetBack(frame->utime ? "the cameras'" : "this host's", set_back_us);
-    // A recording that begins again has its own times again, and its pace. Other captures are told
-    // apart by their time even when the clock is set back.
-    const bool begins_again = source_->is_recorded() && set_back_us > 0;
-    newest_.utime = begins_again ? utime : std::max(utime, newest_.utime + 1);
+    // A recording that begins again has its own times again, and its pace.
+    const bool is_followed =
+        source_->is_recorded() ? set_back_us > 0 : newest_.utime - utime > kMaxHeldUs;
+    if (!source_->is_recorded()) {
+      SayClockSetBack(frame->utime ? "the cameras'" : "this host's", set_back_us, is_followed);
+    }
+    newest_.utime = is_followed ? utime : std::max(utime, newest_.utime + 1);
     ++newest_.seq;
     if (!config_.left_in_colour()) frame->left = ToGrey(frame->left);
     frame->right = ToGrey(frame->right);
@@ -82,12 +87,13 @@ class SourceFeed : public CaptureFeed {
   }
 
   // Warns if the clock that frames are stamped with was set back.
-  void SayClockSetBack(const char* whose, int64_t set_back_us) {
+  void SayClockSetBack(const char* whose, int64_t set_back_us, bool is_followed) {
     if (set_back_us <= 0 || !clock_log_.Pass(StageMonitor::Clock::now())) return;
-    monitor_.Warn(
-        fmt::format("{} clock was set back by {:.3f} s: until it is there again, frames are "
-                    "stamped 1 µs apart",
-                    whose, static_cast<double>(set_back_us) * 1e-6));
+    monitor_.Warn(fmt::format("{} clock was set back by {:.3f} s: {}", whose,
+                              static_cast<double>(set_back_us) * 1e-6,
+                              is_followed ? "the times of frames go back, too"
+                                          : "until it is there again, frames are stamped 1 µs "
+                                            "apart"));
   }
 
   std::unique_ptr<scenes::TripletSource> source_;

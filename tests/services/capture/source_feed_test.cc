@@ -153,12 +153,21 @@ TEST_F(SourceFeed, SaysThatTheClockWhichStampsFramesWasSetBack) {
                              nullptr, [&] { return now; });
   EXPECT_EQ(feed->Next({})->id.utime, 5'000'000);
   EXPECT_EQ(monitor_.Snapshot().last_error, "");
-  now = 2'000'000;
+  now = 4'500'000;
   EXPECT_EQ(feed->Next({})->id.utime, 5'000'001);
   EXPECT_EQ(
       monitor_.Snapshot().last_error,
-      "this host's clock was set back by 3.000 s: until it is there again, frames are stamped "
+      "this host's clock was set back by 0.500 s: until it is there again, frames are stamped "
       "1 µs apart");
+}
+
+TEST_F(SourceFeed, OneStampThatIsADayAheadIsTheOnlyWrongOne) {
+  const std::deque<int64_t> times = {1'000'000, 1'100'000, 86'400'000'000, 1'300'000, 1'400'000};
+  const auto feed = FeedFrom(std::make_unique<Camera>(true, times), CaptureConfig(), monitor_);
+  for (const int64_t utime : times) EXPECT_EQ(feed->Next({})->id.utime, utime);
+  EXPECT_THAT(log_.Lines(), ::testing::Contains(::testing::HasSubstr(
+                                "the cameras' clock was set back by 86398.700 s: the times of "
+                                "frames go back, too")));
 }
 
 TEST_F(SourceFeed, GivesARecordingThatBeginsAgainItsOwnTimesAgain) {
