@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include "common/app/stage_monitor.h"
@@ -21,14 +22,16 @@ class FrozenWatch {
   /// @param monitor  gets the warnings; must outlive this.
   explicit FrozenWatch(StageMonitor& monitor) : monitor_(monitor) {}
 
-  /// Takes the images of the next frame; empty ones are not looked at. About 1 ms at 2 MP.
+  /// Takes the images of the next frame; empty ones are not looked at. About 0.15 ms at
+  /// 2 MP, and 1 ms while they are the same.
   void Add(const scenes::CapturedFrame& frame);
 
  private:
   struct Camera {
     const char* name;
-    size_t hash = 0;  // of the newest image
-    int same = 0;     // images in a row that have it
+    size_t sparse = 0;                 // of some rows of the newest image
+    std::optional<size_t> whole = {};  // of all of them, where the image before had the same rows
+    int same = 0;                      // images in a row that are the same
     std::string warning = {};
   };
 

@@ -20,8 +20,8 @@ CaptureMessages BehindCalibration(std::vector<uint8_t> calibration, CaptureMessa
 
 /// Frames of a source, numbered from 0 and stamped with their time of exposure, or, when the source
 /// has no clock, with the time at which they are taken: the only place where a clock enters a
-/// payload. Times of frames increase until a recording begins again, or the clock is set back by more
-/// than a second; that a clock was set back is said.
+/// payload. Times of frames increase until a recording begins again, or the clock is set back by
+/// more than a second; that a clock was set back is said.
 /// @param rig  what the source rectifies with; null when its frames come rectified.
 /// @param now  returns the time, as NowUtime(); tests replace it.
 std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<scenes::FrameSource> source,

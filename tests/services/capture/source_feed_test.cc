@@ -193,7 +193,7 @@ class HangingCamera : public Camera {
     std::optional<scenes::CapturedFrame> frame = Camera::Next(stop);
     frame->trouble.clear();
     frame->lost = 0;
-    frame->left = cv::Scalar(++count_);
+    frame->left.row(1) = cv::Scalar(++count_);
     frame->right = cv::Scalar(count_ == 1 || count_ > 14 ? count_ : 2);
     return frame;
   }
