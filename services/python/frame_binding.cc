@@ -52,10 +52,15 @@ py::object Kept(cv::Mat1f& map, const Make& make) {
   return ToArray(map);
 }
 
-// None when the frame has neither disparities nor depths.
+// A log can have a calibration of other images: with it no depth would be right.
+bool HasMapOfRig(const Frame& parts) {
+  return parts.disparity && parts.rig && parts.disparity->size() == parts.rig->pair.size();
+}
+
+// None when the frame has neither disparities of its calibration nor depths.
 py::object DepthArray(PyFrame& frame) {
   return Kept(frame.depth_m, [&parts = frame.frame]() -> cv::Mat1f {
-    if (parts.disparity && parts.rig) return DepthMap(parts.rig->pair, *parts.disparity);
+    if (HasMapOfRig(parts)) return DepthMap(parts.rig->pair, *parts.disparity);
     return parts.depth ? MetresOf(*parts.depth) : cv::Mat1f();
   });
 }
@@ -67,7 +72,7 @@ py::object DepthSigmaArray(const PyFrame& frame) {
   cv::Mat1f sigma_m;
   {
     const Unlocked free;
-    if (parts.disparity && parts.rig && parts.sigma.size() == parts.disparity->size()) {
+    if (HasMapOfRig(parts) && parts.sigma.size() == parts.disparity->size()) {
       sigma_m = DepthSigmaMap(parts.rig->pair, frame.kept.value_or(*parts.disparity), parts.sigma);
     } else if (parts.depth_sigma) {
       sigma_m = MetresOf(*parts.depth_sigma);
@@ -196,7 +201,7 @@ void WritePly(const PyFrame& frame, const fs::path& path, bool mesh) {
 
 py::object IntrinsicsOf(const PyFrame& frame) {
   const Frame& parts = frame.frame;
-  const bool from_map = parts.disparity && parts.rig;
+  const bool from_map = HasMapOfRig(parts);
   if (!from_map && !parts.depth) return py::none();
   if (from_map) return py::cast(*parts.rig).attr("K");
   const DepthImage& depth = *parts.depth;
@@ -327,8 +332,8 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
           "Optional[Motion]: the same as somebody else knows it.")
       .def_property_readonly(
           "depth_m", &DepthArray,
-          "Optional[numpy.ndarray]: (H, W) float32, z, m; NaN: none. Of disparity, or of "
-          "fused where compute() was told so (depth { input: FUSED }).")
+          "Optional[numpy.ndarray]: (H, W) float32, z, m; NaN: none. Of disparity where rig is of "
+          "its size, or of fused where compute() was told so (depth { input: FUSED }).")
       .def_property_readonly(
           "depth_sigma_m", &DepthSigmaArray,
           "Optional[numpy.ndarray]: (H, W) float32, standard deviation of depth_m where it is of "

@@ -65,6 +65,25 @@ class LogTest(unittest.TestCase):
             self.assertTrue(numpy.isfinite(frame.depth_m).any())
         self.assertEqual([f.seq for f in frames], sorted(f.seq for f in frames))
 
+    def test_gives_no_depths_by_the_calibration_of_other_images(self) -> None:
+        from frames import message
+        with tempfile.TemporaryDirectory() as name:
+            path = pathlib.Path(name) / "other.lcm"
+            items = []
+            for utime, channel, data in events(SAMPLE):
+                if channel == "SPROUT_RIG":
+                    rig = message("rig_t").decode(data)
+                    rig.width *= 2
+                    data = bytes(rig.encode())
+                if channel in ("SPROUT_RIG", "SPROUT_DISPARITY", "SPROUT_SIGMA"):
+                    items.append((utime, channel, data))
+            write_log(path, items)
+            for frame in sprout.Log(path).frames():
+                self.assertIsNotNone(frame.disparity)
+                self.assertIsNone(frame.depth_m)
+                self.assertIsNone(frame.depth_sigma_m)
+                self.assertIsNone(frame.intrinsics)
+
     def test_gives_seeds_whose_bytes_are_the_same_every_time(self) -> None:
         between = numpy.ones(sprout.SEED.itemsize, bool)
         for kind, begin in ((field[0], field[1]) for field in sprout.SEED.fields.values()):
