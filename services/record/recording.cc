@@ -27,6 +27,14 @@ std::optional<Part> CountedPart(const std::vector<std::string>& channels) {
   return std::nullopt;
 }
 
+// What sprout-depth publishes, of every N-th frame alone if its configuration says so.
+bool IsOfDepth(Part part) {
+  static const PartSet kOfDepth = {Part::kDepth,       Part::kDepthSigma, Part::kCloud,
+                                   Part::kDepthCounts, Part::kBaseCloud,  Part::kTargetDepth,
+                                   Part::kTargetCloud};
+  return kOfDepth.Has(part);
+}
+
 std::vector<std::string_view> Subscriptions(const RecordingOptions& options) {
   std::vector<std::string_view> channels(options.channels.begin(), options.channels.end());
   if (options.trigger_channel) channels.emplace_back(*options.trigger_channel);
@@ -99,6 +107,7 @@ Recording::Recording(const ServiceContext& context, RecordingOptions options, St
     : options_(std::move(options)),
       prefix_(context.prefix),
       monitor_(monitor),
+      depth_every_(context.config.depth().every()),
       counted_part_(CountedPart(options_.channels)),
       queue_(kMaxQueuedBytes),
       folder_(options_.folder, [this] { return StatusEvent(); }),
@@ -161,7 +170,9 @@ void Recording::CountFrame(Part part, std::span<const uint8_t> bytes) {
   if (part == Part::kRig) return;
   const Result<FrameId> id = DecodeFrameId(bytes);
   if (!id) return;  // recorded as it is; whoever replays it will refuse it
-  gaps_[part].Add(*id);
+  FrameId counted = *id;
+  if (IsOfDepth(part)) counted.seq /= depth_every_;
+  gaps_[part].Add(counted);
   int64_t gaps = 0;
   for (const auto& [of_part, seen] : gaps_) gaps += seen.count();
   monitor_.SetJoinerCounts(/*incomplete=*/0, gaps);

@@ -135,6 +135,7 @@ class Recording {
   RecordingOptions options_;
   std::string prefix_;
   StageMonitor& monitor_;
+  int32_t depth_every_;                // frames; sprout-depth publishes the first of so many
   std::optional<Part> counted_part_;   // whose messages are counted as frames
   std::map<Part, SequenceGaps> gaps_;  // of the receiving thread
   std::atomic<int64_t> dropped_ = 0;   // messages that did not fit into the queue

@@ -206,6 +206,23 @@ TEST(DemoScript, RefusesASecondOneAtATime) {
   close(descriptor);
 }
 
+TEST(RecordSystem, CountsNoGapsWhereDepthGivesEveryThirdFrame) {
+  const TemporaryDirectory folder;
+  Graph graph;
+  graph.Start("record", {"--dir", folder / "logs", "--channels", "SPROUT_DEPTH", "--config",
+                         "depth { every: 3 }"});
+  const DepthImage depth{
+      .counts = cv::Mat1w(9, 9, uint16_t{0}), .metres_per_count = 0.001, .focal_px = 9};
+  for (const int64_t seq : {0, 3, 6, 12}) {
+    graph.PublishPart({.utime = 1, .seq = seq, .rig_id = "a"}, Part::kDepth, depth);
+  }
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) { return g.statuses["record"].frames_in == 4; }));
+  graph.WaitUntil([](Graph& g) {
+    EXPECT_EQ(g.statuses["record"].sequence_gaps, 1);  // frame 9
+    return true;
+  });
+}
+
 TEST(RecordSystem, SaysSoWhenNoFrameCame) {
   const TemporaryDirectory folder;
   Graph graph;
