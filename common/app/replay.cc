@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <deque>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <utility>
 
@@ -31,6 +33,9 @@ using Clock = StageMonitor::Clock;
 constexpr size_t kMaxCompared = 16;
 
 constexpr std::chrono::milliseconds kProgressPeriod{200};
+
+// Messages among which a second answer for a frame is looked for: those of some 64 frames.
+constexpr size_t kMaxHeard = 512;
 
 void RequireOtherFile(const std::string& log, const std::string& record) {
   std::error_code ignored;
@@ -129,6 +134,12 @@ class Replay {
     if (channel == kProcessChannel) return CompareWithRecorded(event.data);
     if (!IsWanted(channel, event.data)) return;
     last_utime_ = event.utime;
+    if (IsSecondAnswer(channel, event.data)) {
+      return monitor_.BadMessage(
+          channel, fmt::format("frame {} has two that differ, the first counts; `sprout-log merge "
+                               "--replace` keeps those of one log",
+                               DecodeFrameId(event.data)->seq));
+    }
     AnswerAll(assembler_.Add(channel, event.data), event.utime);
   }
 
@@ -175,6 +186,22 @@ class Replay {
     seen_->first = std::min(seen_->first, id->seq);
     seen_->last = std::max(seen_->last, id->seq);
     return needed_.Has(id->seq);
+  }
+
+  // Whether the frame had another message on this channel before. Frames that were sent again have
+  // the same one again.
+  bool IsSecondAnswer(std::string_view channel, std::span<const uint8_t> bytes) {
+    const std::optional<Part> part = PartOf(channel);
+    const Result<FrameId> id = DecodeFrameId(bytes);
+    if (!part || part == Part::kRig || !id || TypeOf(bytes) != TypeOf(*part)) return false;
+    const size_t hash =
+        std::hash<std::string_view>()({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    const auto before = std::ranges::find_if(
+        heard_, [&](const Heard& heard) { return heard.part == part && heard.id == *id; });
+    if (before != heard_.end()) return before->hash != hash;
+    heard_.push_back({*part, *id, hash});
+    if (heard_.size() > kMaxHeard) heard_.pop_front();
+    return false;
   }
 
   void ShowProgress() {
@@ -231,6 +258,12 @@ class Replay {
     return whole ? 0 : 1;
   }
 
+  struct Heard {
+    Part part;
+    FrameId id;
+    size_t hash;
+  };
+
   const ServiceContext& context_;
   const ReplayOptions& options_;
   StageAdapter& adapter_;
@@ -245,6 +278,7 @@ class Replay {
   bool info_written_ = false;
   int64_t last_utime_ = 0;          // of a message that a frame may need
   std::optional<FrameRange> seen_;  // from the smallest to the largest seq in the logs
+  std::deque<Heard> heard_;         // the newest messages
   std::set<std::string> compared_;  // recorded configurations of this stage
   Clock::time_point started_ = Clock::now();
   Clock::time_point next_progress_{};

@@ -229,6 +229,15 @@ TEST_F(ReplayTest, SkipsABadMessageAndSaysSoInItsExitCode) {
   EXPECT_THAT(report_, HasSubstr("1 incomplete, 0 left out; 1 bad messages"));
 }
 
+TEST_F(ReplayTest, TakesTheFirstOfTwoMessagesThatDifferAndSaysSo) {
+  WriteLog(in_, {RigEvent(0), LeftEvent(0, 10), LeftEvent(0, 10), TofEvent(0), LeftEvent(1, 11),
+                 LeftEvent(1, 12), TofEvent(1)});
+  EXPECT_EQ(Run(), 1);
+  EXPECT_THAT(Answers(), ElementsAre(AnswerTo(0, 10, TofEvent(0)), AnswerTo(1, 11, TofEvent(1))));
+  EXPECT_THAT(report_, HasSubstr("; 1 bad messages"));
+  EXPECT_THAT(log_.Lines(), Contains(HasSubstr("frame 1 has two that differ, the first counts")));
+}
+
 TEST_F(ReplayTest, WorksOnWhatIsLeftOfADamagedLogAndSaysSoInItsExitCode) {
   WriteLog(in_, FramesWithGrey({10, 11, 12}));
   std::filesystem::resize_file(in_, std::filesystem::file_size(in_) - 1);
