@@ -9,6 +9,7 @@
 #include <climits>
 #include <csignal>
 #include <stdexcept>
+#include <utility>
 
 namespace sprout {
 namespace {
@@ -20,6 +21,14 @@ struct Pipe {
     to_read = ends[0];
     to_write = ends[1];
   }
+  // What was not taken over.
+  ~Pipe() {
+    for (const int end : {to_read, to_write}) {
+      if (end >= 0) close(end);
+    }
+  }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
   int to_read;
   int to_write;
 };
@@ -53,23 +62,21 @@ Process::Process(const std::vector<std::string>& command) {
     arguments.push_back(const_cast<char*>(argument.c_str()));
   }
   arguments.push_back(nullptr);
-  const Pipe output;
-  const Pipe life;
-  output_pipe_ = output.to_read;
-  life_pipe_ = life.to_write;
+  Pipe output;
+  Pipe life;
   pid_ = fork();
   if (pid_ == 0) BecomeProgram(arguments.data(), output.to_write);
-  close(output.to_write);
   if (pid_ > 0) {
     setpgid(pid_, pid_);  // whoever of the two is first
     guard_pid_ = fork();
     if (guard_pid_ == 0) BecomeGuard(pid_, life.to_read);
   }
-  close(life.to_read);
   if (guard_pid_ < 0) {
-    if (pid_ > 0) kill(-pid_, SIGKILL);
+    if (pid_ > 0 && kill(-pid_, SIGKILL) == 0) waitpid(pid_, nullptr, 0);
     throw std::runtime_error("no process left");
   }
+  output_pipe_ = std::exchange(output.to_read, -1);
+  life_pipe_ = std::exchange(life.to_write, -1);
   fcntl(output_pipe_, F_SETFL, O_NONBLOCK);
   reader_ = std::jthread([this](const std::stop_token& stop) {
     constexpr int kPollMs = 20;

@@ -1,8 +1,13 @@
 #include "common/app/process.h"
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <csignal>
+#include <filesystem>
+#include <iterator>
+#include <stdexcept>
 
 namespace sprout {
 namespace {
@@ -15,6 +20,23 @@ TEST(Process, TellsHowItEndedAndWhatItWrote) {
   killed.Signal(SIGTERM);
   EXPECT_EQ(killed.Wait(), 128 + SIGTERM);
   EXPECT_EQ(Process({"/nonexistent"}).Wait(), 127);
+}
+
+TEST(Process, LeavesNothingOpenWhereItCannotBeStarted) {
+  const auto count_open = [] {
+    const std::filesystem::directory_iterator open("/proc/self/fd");
+    return std::distance(begin(open), end(open));
+  };
+  const auto before = count_open();
+  const int free = dup(STDIN_FILENO);  // the smallest number
+  close(free);
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  const rlimit for_one_pipe{.rlim_cur = static_cast<rlim_t>(free) + 3, .rlim_max = limit.rlim_max};
+  setrlimit(RLIMIT_NOFILE, &for_one_pipe);
+  EXPECT_THROW(Process({"true"}), std::runtime_error);
+  setrlimit(RLIMIT_NOFILE, &limit);
+  EXPECT_EQ(count_open(), before);
 }
 
 TEST(Process, KeepsTheEndOfALongOutput) {
