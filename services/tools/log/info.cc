@@ -4,10 +4,12 @@
 #include <chrono>
 #include <cmath>
 #include <iostream>
+#include <limits>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <utility>
 
 #include "common/app/status_board.h"
 #include "common/messages/codec.h"
@@ -33,7 +35,12 @@ struct LogSummary {
   StatusBoard statuses{{}};
   std::vector<LogDamage> damage;
   std::string other_channel;  // one of another graph
+  int64_t set_back = 0;       // how often the clock was
+  double set_back_s = 0;      // by how much, at most
 };
+
+// Messages may change places by less.
+constexpr double kLeastSetBackS = 1;
 
 // The clock of the board is that of the log.
 StatusBoard::Clock::time_point TimeOf(int64_t utime) {
@@ -50,7 +57,14 @@ LogSummary Summarize(const InfoOptions& options) {
   LogSummary log;
   log.bytes = reader.size();
   ReadProgress progress("reading " + options.file.string(), reader.size());
+  int64_t newest_utime = std::numeric_limits<int64_t>::min();
   for (LogEvent event; reader.Next(event); progress.Update(reader.position())) {
+    const auto before = static_cast<double>(std::exchange(newest_utime, event.utime));
+    const double set_back_s = (before - static_cast<double>(event.utime)) / 1e6;
+    if (set_back_s > kLeastSetBackS) {
+      ++log.set_back;
+      log.set_back_s = std::max(log.set_back_s, set_back_s);
+    }
     if (!event.channel.starts_with(options.prefix)) {
       if (log.other_channel.empty()) log.other_channel = event.channel;
       continue;
@@ -144,6 +158,11 @@ std::string Remarks(const LogSummary& log) {
     if (channel.undecodable() > 0) {
       text += fmt::format("{}: first undecodable message: {}\n", name, channel.first_error());
     }
+  }
+  if (log.set_back > 0) {
+    text += fmt::format(
+        "the clock was set back, times: {}, by {:.3f} s at most: times and rates above are wrong\n",
+        log.set_back, log.set_back_s);
   }
   for (size_t i = 0; i < std::min(log.damage.size(), kShownDamage); ++i) {
     text += "damage: " + DamageText(log.damage[i]) + "\n";

@@ -66,6 +66,15 @@ TEST(LogInfo, CountsGapsAndRepeatedFrames) {
   EXPECT_EQ(outcome.err, "");
 }
 
+TEST(LogInfo, SaysThatTheClockWasSetBack) {
+  const LogFolder folder;
+  auto events = GraphEvents(4);
+  EXPECT_THAT(RunLog({"info", folder.Write("log", events)}).out, Not(HasSubstr("clock")));
+  for (size_t i = events.size() / 2; i < events.size(); ++i) events[i].utime -= 3'600'000'000;
+  EXPECT_THAT(RunLog({"info", folder.Write("log", events)}).out,
+              HasSubstr("the clock was set back, times: 1, by 3"));
+}
+
 TEST(LogInfo, FindsMessagesThatCannotBeDecoded) {
   const LogFolder folder;
   auto events = GraphEvents(4);
