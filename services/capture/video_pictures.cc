@@ -17,6 +17,11 @@
 namespace sprout::capture {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
+// Whatever is older has another clock.
+constexpr std::chrono::seconds kMaxAge{10};
+
 class ListedPictures : public Pictures {
  public:
   explicit ListedPictures(std::vector<std::string> files) : files_(std::move(files)) {}
@@ -71,6 +76,16 @@ class VideoPictures : public Pictures {
     return std::llround(time_us);
   }
 
+  // V4L2 stamps pictures with the clock of steady_clock; some drivers with another one, or not.
+  std::optional<std::chrono::microseconds> Age() const override {
+    if (!IsDevice(place_)) return std::nullopt;
+    const std::chrono::duration<double, std::milli> taken(video_.get(cv::CAP_PROP_POS_MSEC));
+    const auto age = std::chrono::duration_cast<std::chrono::microseconds>(
+        Clock::now().time_since_epoch() - taken);
+    if (age < age.zero() || age > kMaxAge) return std::nullopt;
+    return age;
+  }
+
   double Rate() const override {
     const double rate = video_.get(cv::CAP_PROP_FPS);
     return std::isfinite(rate) && rate > 0 ? rate : 0;
@@ -116,6 +131,23 @@ class VideoPictures : public Pictures {
 };
 
 }  // namespace
+
+// One that had to be waited for is the newest. Until then a picture has travelled for an interval
+// or two.
+bool GrabNewest(Pictures& pictures) {
+  constexpr int kMostQueued = 16;
+  const std::chrono::duration<double> interval(pictures.Rate() > 0 ? 1 / pictures.Rate() : 0);
+  for (int i = 0; i < kMostQueued; ++i) {
+    const Clock::time_point begun = Clock::now();
+    if (!pictures.Grab()) return false;
+    const auto age = pictures.Age();
+    if (interval.count() == 0 || !age || *age <= 3 * interval ||
+        Clock::now() - begun > interval / 4) {
+      break;
+    }
+  }
+  return true;
+}
 
 bool IsDevice(const std::string& place) {
   return ParseNumber<int>(place).has_value() || place.starts_with("/dev/");

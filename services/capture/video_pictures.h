@@ -1,6 +1,7 @@
 #ifndef SPROUT_SERVICES_CAPTURE_VIDEO_PICTURES_H_
 #define SPROUT_SERVICES_CAPTURE_VIDEO_PICTURES_H_
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -25,6 +26,9 @@ class Pictures {
 
   /// When it is shown, µs since the first one; nothing: not known.
   virtual std::optional<int64_t> Time() const { return std::nullopt; }
+
+  /// How long ago a device took it, by its driver; nothing: not known.
+  virtual std::optional<std::chrono::microseconds> Age() const { return std::nullopt; }
 
   /// Pictures a second; 0: not known.
   virtual double Rate() const { return 0; }
@@ -51,6 +55,11 @@ struct DeviceSettings {
 /// @throws ConfigError for pictures that are too large.
 std::unique_ptr<Pictures> OpenVideoPictures(const std::string& place,
                                             const DeviceSettings& device = {});
+
+/// Takes the newest picture: the queue of a device keeps the oldest ones for whoever is slower.
+/// Those before it are dropped.
+/// @returns whether there is one.
+bool GrabNewest(Pictures& pictures);
 
 /// Whether a place is a device.
 bool IsDevice(const std::string& place);

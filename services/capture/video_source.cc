@@ -6,11 +6,13 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <optional>
 #include <string_view>
 #include <utility>
 
 #include "common/app/log.h"
+#include "common/app/stage_monitor.h"
 #include "common/config/config_error.h"
 #include "common/core/image.h"
 #include "common/core/number_text.h"
@@ -258,8 +260,10 @@ class VideoSource : public RawSource {
       return std::nullopt;
     };
     for (size_t i = 0; i < videos_.size(); ++i) {
-      if (!videos_[i]->Grab()) return is_silent(i);
+      if (!GrabNewest(*videos_[i])) return is_silent(i);
     }
+    scenes::CapturedFrame frame;
+    Stamp(frame);
     std::vector<CameraImage> pictures;
     for (size_t i = 0; i < videos_.size(); ++i) {
       pictures.push_back(videos_[i]->Retrieve());
@@ -267,7 +271,6 @@ class VideoSource : public RawSource {
     }
     eight_bits_.Convert({&pictures.front(), &pictures.back()});
     if (std::string note = eight_bits_.TakeNote(); !note.empty()) trouble_ = std::move(note);
-    scenes::CapturedFrame frame;
     if (pictures.size() == 2) {
       frame.left = pictures[0].pixels;
       frame.right = pictures[1].pixels;
@@ -277,6 +280,15 @@ class VideoSource : public RawSource {
       frame.right = both.colRange(both.cols - both.cols / 2, both.cols).clone();
     }
     return frame;
+  }
+
+  // With the time at which the devices took the pictures, if their drivers say it.
+  void Stamp(scenes::CapturedFrame& frame) const {
+    const auto left = videos_.front()->Age();
+    const auto right = videos_.back()->Age();
+    if (!left || !right) return;
+    frame.utime = NowUtime() - (*left + *right).count() / 2;
+    frame.spread_ms = std::abs(static_cast<double>((*left - *right).count())) * 1e-3;
   }
 
   void TellOfLost(scenes::CapturedFrame& frame) {
