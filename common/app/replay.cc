@@ -87,7 +87,9 @@ class Replay {
         needed_(WithWarmUp(options.frames, adapter.WarmUpFrames())),
         input_(OpenInput(options.logs, context.prefix, adapter.Inputs())),
         recording_(OpenRecording(options.record)),
-        progress_(/*quiet=*/false) {}
+        progress_(/*quiet=*/false) {
+    monitor_.SetReplay();
+  }
 
   int Run() {
     if (adapter_.Inputs().Has(Part::kRig)) AddFirstCalibration();

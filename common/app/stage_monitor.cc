@@ -115,7 +115,7 @@ void StageMonitor::FrameOut(const FrameId& id, Clock::time_point arrived,
       LogLine(LogLevel::kWarning, "{}{}", status_.last_error, MoreText(*held_back));
     }
   }
-  if (sample.age_ms < -kClockSlackMs) {
+  if (!is_replay_ && sample.age_ms < -kClockSlackMs) {
     HoldLocked(clock_warning_.text, FutureText(id.seq, sample.age_ms), true);
     if (const auto held_back = clock_log_.Pass(now)) {
       clock_warning_.logged = true;

@@ -30,6 +30,9 @@ class StageMonitor {
   StageMonitor(const std::string& stage, const std::string& config_digest,
                std::function<Clock::time_point()> now = Clock::now);
 
+  /// The frames are those of a recording: this host's clock does not judge them.
+  void SetReplay() { is_replay_ = true; }
+
   /// A complete frame arrived; `skipped` if it replaced one that was not processed.
   void FrameIn(bool skipped);
 
@@ -140,6 +143,7 @@ class StageMonitor {
   OwnWarning offset_warning_;
   OwnWarning range_warning_;
   std::string rig_id_;  // of SetRig()
+  bool is_replay_ = false;
 };
 
 }  // namespace sprout

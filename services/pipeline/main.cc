@@ -185,7 +185,10 @@ int Main(int argc, char** argv) {
     if (files_command.IsGiven()) return RunFiles(files, context.config, context.stop);
     StepMonitors steps(Digest(ConfigText(context.config)), context.config.temporal().in_pipeline());
     PipelineAdapter adapter(context.config, steps);
-    if (context.replay) return RunReplay(context, *context.replay, adapter);
+    if (context.replay) {
+      for (StageMonitor& step : steps.all()) step.SetReplay();
+      return RunReplay(context, *context.replay, adapter);
+    }
     RunLive(context, adapter, steps.all());
     return 0;
   });

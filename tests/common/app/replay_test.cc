@@ -229,6 +229,13 @@ TEST_F(ReplayTest, SkipsABadMessageAndSaysSoInItsExitCode) {
   EXPECT_THAT(report_, HasSubstr("1 incomplete, 0 left out; 1 bad messages"));
 }
 
+TEST_F(ReplayTest, IsQuietAboutAClockThatWasAheadOfThisOne) {
+  constexpr int64_t kIn2200 = 72'581'184'000;
+  WriteLog(in_, {RigEvent(0), LeftEvent(kIn2200, 10), TofEvent(kIn2200)});
+  EXPECT_EQ(Run(), 0);
+  EXPECT_THAT(log_.Lines(), Not(Contains(HasSubstr("in the future"))));
+}
+
 TEST_F(ReplayTest, TakesTheFirstOfTwoMessagesThatDifferAndSaysSo) {
   WriteLog(in_, {RigEvent(0), LeftEvent(0, 10), LeftEvent(0, 10), TofEvent(0), LeftEvent(1, 11),
                  LeftEvent(1, 12), TofEvent(1)});
