@@ -164,6 +164,22 @@ constexpr const PartRow& RowOf(Part part) { return kPartTable[static_cast<size_t
 /// The channel of a part, without prefix.
 constexpr std::string_view ChannelOf(Part part) { return RowOf(part).channel; }
 
+/// Whether sprout-depth publishes it: of each N-th frame alone with `depth { every: N }`.
+constexpr bool IsOfDepth(Part part) {
+  switch (part) {
+    case Part::kDepth:
+    case Part::kDepthSigma:
+    case Part::kCloud:
+    case Part::kDepthCounts:
+    case Part::kBaseCloud:
+    case Part::kTargetDepth:
+    case Part::kTargetCloud:
+      return true;
+    default:
+      return false;
+  }
+}
+
 /// The part that a channel carries: the inverse of ChannelOf().
 /// @param prefix  of the graph. Channels without it belong to another graph.
 /// @returns nothing for a channel that carries no part of a frame.

@@ -27,14 +27,6 @@ std::optional<Part> CountedPart(const std::vector<std::string>& channels) {
   return std::nullopt;
 }
 
-// What sprout-depth publishes, of every N-th frame alone if its configuration says so.
-bool IsOfDepth(Part part) {
-  static const PartSet kOfDepth = {Part::kDepth,       Part::kDepthSigma, Part::kCloud,
-                                   Part::kDepthCounts, Part::kBaseCloud,  Part::kTargetDepth,
-                                   Part::kTargetCloud};
-  return kOfDepth.Has(part);
-}
-
 std::vector<std::string_view> Subscriptions(const RecordingOptions& options) {
   std::vector<std::string_view> channels(options.channels.begin(), options.channels.end());
   if (options.trigger_channel) channels.emplace_back(*options.trigger_channel);

@@ -55,6 +55,7 @@ void Sequence::Add(const FrameId& id) {
   recent_.push_back(id);
   if (recent_.size() > kRecentFrames) recent_.pop_front();
   if (!first_) first_ = id.seq;
+  steps_ += newest_ && id.seq > newest_->seq;
   if (newest_ && id.seq - 1 > newest_->seq) {
     const Gap gap{newest_->seq + 1, id.seq - 1};
     // A damaged number can be anything; the sum must not overflow.
@@ -70,6 +71,15 @@ void Sequence::Add(const FrameId& id) {
   newest_ = id;
 }
 
+void Sequence::ExpectEvery(int64_t every) {
+  if (every == 1) return;
+  constexpr int64_t kMost = std::numeric_limits<int64_t>::max();
+  const int64_t numbers = missing_ < kMost - steps_ ? missing_ + steps_ : kMost;
+  missing_ = std::max<int64_t>(0, numbers / every - steps_);
+  gaps_.clear();
+  gap_count_ = missing_;
+}
+
 std::string Sequence::GapText() const {
   std::string text;
   for (const Gap& gap : gaps_) {
@@ -77,6 +87,7 @@ std::string Sequence::GapText() const {
     text += std::to_string(gap.first);
     if (gap.last > gap.first) text += "-" + std::to_string(gap.last);
   }
+  if (text.empty()) return std::to_string(gap_count_) + " in all";
   return gap_count_ > static_cast<int64_t>(gaps_.size()) ? text + ", ..." : text;
 }
 

@@ -25,13 +25,17 @@ class Sequence {
 
   void Add(const FrameId& id);
 
+  /// Once all are added: only each `every`-th frame was sent, so the others are not missing.
+  /// @param every  at least 1.
+  void ExpectEvery(int64_t every);
+
   std::optional<int64_t> first() const { return first_; }  ///< number of the first frame
   std::optional<int64_t> last() const;                     ///< number of the newest frame
   int64_t missing() const { return missing_; }             ///< missing frame numbers
   int64_t repeated() const { return repeated_; }           ///< repeated frames
   int64_t restarts() const { return restarts_; }           ///< of capture, with smaller numbers
 
-  /// The first few gaps as text: "7, 12-15"; "..." means others.
+  /// The first few gaps as text: "7, 12-15"; "..." means others. Behind ExpectEvery() "3 in all".
   std::string GapText() const;
 
  private:
@@ -41,6 +45,7 @@ class Sequence {
   std::vector<Gap> gaps_;  // the first few
   int64_t gap_count_ = 0;
   int64_t missing_ = 0;
+  int64_t steps_ = 0;  // to larger numbers
   int64_t repeated_ = 0;
   int64_t restarts_ = 0;
 };
@@ -59,6 +64,9 @@ class ChannelSummary {
   int64_t last_utime() const { return last_utime_; }
   int64_t undecodable() const { return undecodable_; }
   const std::string& first_error() const { return first_error_; }  ///< with its event
+
+  /// See Sequence.
+  void ExpectEvery(int64_t every) { sequence_.ExpectEvery(every); }
 
   /// Whether each message belongs to one frame, unlike calibrations and statuses.
   bool has_frames() const { return has_frames_; }

@@ -12,6 +12,8 @@
 #include <utility>
 
 #include "common/app/status_board.h"
+#include "common/config/config.h"
+#include "common/core/frame.h"
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"
 #include "services/tools/log/channel_summary.h"
@@ -52,6 +54,17 @@ void AddStatus(const LogEvent& event, StatusBoard& statuses) {
   if (status) statuses.Add(*status, TimeOf(event.utime));
 }
 
+// Of which frames sprout-depth sent anything, by its newest configuration.
+int64_t DepthEvery(const ProcessSummary& processes) {
+  const ProcessInfo* depth = processes.NewestOf("depth");
+  if (depth == nullptr) return 1;
+  try {
+    return LoadConfig({depth->config_text}).depth().every();
+  } catch (const ConfigError&) {  // of another version
+    return 1;
+  }
+}
+
 LogSummary Summarize(const InfoOptions& options) {
   LogReader reader(options.file);
   LogSummary log;
@@ -79,6 +92,10 @@ LogSummary Summarize(const InfoOptions& options) {
     if (type == MessageType::kStatus) AddStatus(event, log.statuses);
   }
   log.damage = reader.damage();
+  for (auto& [name, channel] : log.channels) {
+    const std::optional<Part> part = PartOf(name, options.prefix);
+    if (part && IsOfDepth(*part)) channel.ExpectEvery(DepthEvery(log.processes));
+  }
   for (const auto& [name, channel] : log.channels) {
     const bool first = log.events == 0;
     log.first_utime =

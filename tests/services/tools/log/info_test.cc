@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/config/config.h"
+#include "common/messages/codec.h"
 #include "services/tools/log/channel_summary.h"
 #include "tests/services/tools/log/graph_log.h"
 
@@ -64,6 +66,25 @@ TEST(LogInfo, CountsGapsAndRepeatedFrames) {
   EXPECT_THAT(outcome.out, HasSubstr("SPROUT_LEFT: frames left out: 3-4, 7\n"));
   EXPECT_THAT(outcome.out, HasSubstr("no damage\n"));
   EXPECT_EQ(outcome.err, "");
+}
+
+TEST(LogInfo, MissesNoFrameThatDepthWasToldToLeaveOut) {
+  const LogFolder folder;
+  std::vector<Event> events;
+  for (const int64_t seq : {0, 3, 6, 9}) events.push_back(PartEvent(Part::kDepth, seq));
+  const auto missing = [&] {
+    return Channel(Info(folder.Write("log", events)), "SPROUT_DEPTH")["frames"]["missing"];
+  };
+  EXPECT_EQ(missing(), 6);
+  ProcessInfo depth;
+  depth.stage = "depth";
+  depth.config_text = ConfigText(LoadConfig({"depth { every: 3 }"}));
+  events.push_back({.utime = 1, .channel = "SPROUT_PROCESS", .data = EncodeProcessInfo(depth)});
+  EXPECT_EQ(missing(), 0);
+  events.erase(events.begin() + 1);
+  EXPECT_EQ(missing(), 1);
+  EXPECT_THAT(RunLog({"info", folder.Write("log", events)}).out,
+              HasSubstr("SPROUT_DEPTH: frames left out: 1 in all\n"));
 }
 
 TEST(LogInfo, SaysThatTheClockWasSetBack) {
