@@ -1,0 +1,35 @@
+#include "common/core/repeat_count.h"
+
+#include <functional>
+#include <string_view>
+
+namespace sprout {
+namespace {
+
+// Of an image that differs from the last one, only every so many rows are looked at.
+constexpr int kSparseRows = 8;
+
+size_t HashOf(const cv::Mat& image, int step) {
+  size_t hash = 0;
+  for (int y = 0; y < image.rows; y += step) {
+    const std::string_view row(image.ptr<char>(y),
+                               static_cast<size_t>(image.cols) * image.elemSize());
+    hash = hash * 31 + std::hash<std::string_view>()(row);
+  }
+  return hash;
+}
+
+}  // namespace
+
+int RepeatCount::Add(const cv::Mat& image) {
+  const size_t sparse = HashOf(image, kSparseRows);
+  std::optional<size_t> whole;
+  if (same_ > 0 && sparse == sparse_) whole = HashOf(image, 1);
+  const bool is_same = whole && (!whole_ || whole_ == whole);
+  same_ = is_same ? same_ + 1 : 1;
+  sparse_ = sparse;
+  whole_ = whole;
+  return same_;
+}
+
+}  // namespace sprout
