@@ -95,6 +95,19 @@ TEST(RosSource, MakesTheRangeImageOfAScanThatKittiMakes) {
   }
 }
 
+TEST(RosSource, GivesFramesOfARecordingThatHasThemTwiceOnce) {
+  RosRecording file;
+  file.AddCalibration(examples::Rig());
+  for (int i = 0; i < 5; ++i) {
+    for (const char* topic : {"/left/image", "/right/image"}) {
+      for (int times = 0; times < 2; ++times) file.AddImage(topic, kStart + 100'000 * i, Grey(i));
+    }
+  }
+  Told told;
+  EXPECT_EQ(All(*OpenRosSource(file.Source(), told.Options())).size(), 5U);
+  EXPECT_EQ(told.refused.size(), 10U);
+}
+
 TEST(RosSource, CountsImagesWithoutPartner) {
   RosRecording file;
   file.AddCalibration(examples::Rig());
