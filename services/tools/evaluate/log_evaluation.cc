@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/config/config_error.h"
+#include "common/scenes/same_picture.h"
 #include "services/tools/evaluate/scene.h"
 #include "services/tools/evaluate/tables.h"
 
@@ -44,7 +45,8 @@ LogEvaluation::Row LogEvaluation::Evaluate(const Frame& frame) const {
   Row row{.quality = QualityOf(frame), .maps = {}};
   if (truth_ == nullptr || !frame.disparity || frame.id.seq < 0) return row;
   const std::optional<int64_t> count = truth_->frame_count();
-  const scenes::GroundTruth truth = truth_->Get(count ? frame.id.seq % *count : frame.id.seq).truth;
+  const scenes::DatasetFrame captured = truth_->Get(count ? frame.id.seq % *count : frame.id.seq);
+  const scenes::GroundTruth& truth = captured.truth;
   if (truth.left.empty()) return row;
   const cv::Mat1b seen = VisibilityOf(truth).nonoccluded;
   const auto score = [&](const char* name, const DisparityImage& map) {
@@ -57,6 +59,12 @@ LogEvaluation::Row LogEvaluation::Evaluate(const Frame& frame) const {
   if (frame.prior) score("prior", frame.prior->disparity);
   if (frame.unfilled) score("unfilled", *frame.unfilled);
   score(kFinalMap, *frame.disparity);
+  if (!frame.left.empty() && !scenes::IsSamePicture(frame.left, captured.left)) {
+    throw ConfigError(fmt::format(
+        "--truth: frame {} of the log is another picture than that of the source; allowed: the "
+        "source that the log was captured from",
+        frame.id.seq));
+  }
   return row;
 }
 

@@ -34,7 +34,8 @@ class LogEvaluation {
 
   /// Takes a frame; one without a disparity map is counted as unanswered. A repeated frame replaces
   /// the earlier one if it has at least as many parts.
-  /// @throws ConfigError when ground truth and map differ in size.
+  /// @throws ConfigError when ground truth and map differ in size, or the left images are not one
+  ///         picture.
   void Add(const Frame& frame);
 
   /// For people: of each recorded map the accuracy over all frames, then the figures of

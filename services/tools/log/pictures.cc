@@ -14,6 +14,7 @@
 #include "common/measure/score.h"
 #include "common/picture/frame_pictures.h"
 #include "common/scenes/dataset.h"
+#include "common/scenes/same_picture.h"
 #include "services/tools/log/commands.h"
 #include "services/tools/log/log_frames.h"
 
@@ -36,7 +37,8 @@ class LogTruth {
   // Records the frame's seeds and scores its maps.
   // @returns the truth of frame `seq`: if capture repeated the scene, of its frame `seq` modulo
   //          the number of frames. Empty without a source.
-  // @throws ConfigError when a map of the frame has another size.
+  // @throws ConfigError when a map of the frame has another size, or its left image is another
+  //         picture.
   const FrameTruth& Add(const Frame& frame);
 
   // Text for people: the newest frame's seeds by refinement rule, and a table of each map's
@@ -58,6 +60,7 @@ class LogTruth {
   std::unique_ptr<scenes::Dataset> dataset_;
   std::optional<int64_t> loaded_;  // the frame of the dataset in truth_
   FrameTruth truth_;
+  cv::Mat left_;                // of the same
   std::array<MapSum, 3> maps_;  // in the order of kMapNames
   std::optional<SeedSet> newest_seeds_;
   int64_t newest_seq_ = 0;
@@ -65,8 +68,7 @@ class LogTruth {
 
 constexpr std::array kMapNames = {"prior", "as grown", "filled"};
 
-FrameTruth TruthOf(scenes::Dataset& dataset, int64_t index, const std::string& source) {
-  const scenes::GroundTruth truth = dataset.Get(index).truth;
+FrameTruth TruthOf(const scenes::GroundTruth& truth, const std::string& source) {
   if (truth.left.empty()) throw ConfigError("--truth " + source + ": has no ground truth");
   Result<cv::Mat1b> mask = NonOccludedMask(truth.left, truth.right);
   if (!mask) throw ConfigError("--truth " + source + ": " + mask.error().text);
@@ -87,7 +89,9 @@ void LogTruth::Load(int64_t seq) {
   const std::optional<int64_t> count = dataset_->frame_count();
   const int64_t index = count ? seq % *count : seq;
   if (loaded_ == index) return;
-  truth_ = TruthOf(*dataset_, index, source_);
+  const scenes::DatasetFrame captured = dataset_->Get(index);
+  truth_ = TruthOf(captured.truth, source_);
+  left_ = captured.left;
   loaded_ = index;
 }
 
@@ -110,6 +114,12 @@ const FrameTruth& LogTruth::Add(const Frame& frame) {
   if (frame.prior) AddMap(maps_[0], frame.prior->disparity);
   if (frame.unfilled) AddMap(maps_[1], *frame.unfilled);
   if (frame.disparity) AddMap(maps_[2], *frame.disparity);
+  if (dataset_ != nullptr && !frame.left.empty() && !scenes::IsSamePicture(frame.left, left_)) {
+    throw ConfigError(fmt::format(
+        "--truth {}: frame {} of the log is another picture; allowed: the source that the log was "
+        "captured from",
+        source_, frame.id.seq));
+  }
   return truth_;
 }
 

@@ -19,9 +19,10 @@ using testing::HasSubstr;
 using testing::StartsWith;
 
 // A log of three frames of kScene: frame 1 has the truth, frame 2 is 2 px off, frame 3 was not
-// answered.
+// answered. Those of other.lcm show something else.
 void ReadSyntheticLog(const LogChoice& log, const std::function<void(const Frame&)>& visit) {
-  if (log.file != "run.lcm") throw ConfigError(log.file + ": no such log");
+  const bool other = log.file == "other.lcm";
+  if (!other && log.file != "run.lcm") throw ConfigError(log.file + ": no such log");
   CaptureConfig config;
   config.set_source("synthetic:96x72");
   const auto source = scenes::OpenDataset(config);
@@ -29,7 +30,7 @@ void ReadSyntheticLog(const LogChoice& log, const std::function<void(const Frame
     const scenes::DatasetFrame captured = source->Get(seq);
     Frame frame;
     frame.id = {.utime = 1000 * seq, .seq = seq, .rig_id = "rig"};
-    frame.left = captured.left;
+    frame.left = other ? source->Get(seq + 5).left : captured.left;
     frame.right = captured.right;
     cv::Mat1f map_px = captured.truth.left.clone();
     if (seq == 2) map_px += 2;
@@ -273,6 +274,7 @@ TEST(EvaluateProgram, JudgesALogWithoutTruthByItsQuality) {
 TEST(EvaluateProgram, RefusesWhatDoesNotGoWithALog) {
   ExpectRefused({"log", "gone.lcm"}, "gone.lcm: no such log");
   ExpectRefused({"log", "run.lcm", "--truth", "synthetic:48x36"}, "--truth: frame 1, score: ");
+  ExpectRefused({"log", "other.lcm", "--truth", kScene}, "frame 1 of the log is another picture");
   ExpectRefused({"log", "run.lcm", kScene}, kScene);
   ExpectRefused({"log", "run.lcm", "--images", "x"}, "--images");
   ExpectRefused({kScene, "--truth", kScene}, "--truth");

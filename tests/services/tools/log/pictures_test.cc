@@ -51,6 +51,8 @@ TEST(LogImages, TellsDensityAndRefusesTheTruthOfAnotherScene) {
   EXPECT_THAT(outcome.out, ContainsRegex("filled +3 +87.50\n"));
   ExpectRefused({"images", log, folder.File("other"), "--truth", "synthetic:64x48"},
                 "--truth synthetic:64x48: ");
+  ExpectRefused({"images", log, folder.File("other"), "--truth", "synthetic:32x24"},
+                "--truth synthetic:32x24: frame 0 of the log is another picture");
   ExpectRefused({"images", log, folder.File("other"), "--truth", "nonsense"}, "nonsense");
 }
 
