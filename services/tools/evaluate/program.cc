@@ -245,9 +245,10 @@ void RequireWritable(const Options& options) {
                           {"figure.png", "errors.png", "confidence.svg"});
 }
 
+// @param inputs_fit  false afterwards when something is wrong with what goes into a scene.
 std::vector<SceneResult> ResultsOf(const Options& options, const std::vector<Scene>& scenes,
                                    const std::vector<Method>& methods,
-                                   const ChainSettings& settings) {
+                                   const ChainSettings& settings, bool& inputs_fit) {
   std::vector<SceneResult> results;
   RunPictures pictures(options.images);
   Progress progress(options.quiet);
@@ -265,6 +266,7 @@ std::vector<SceneResult> ResultsOf(const Options& options, const std::vector<Sce
     progress.Clear();
     if (!options.quiet) std::cout << SceneTable(result, options.wide) << std::endl;
     if (!wrong.empty()) std::cerr << "sprout-evaluate: " << scene.name << ": " << wrong << "\n";
+    inputs_fit &= wrong.empty();
     results.push_back(std::move(result));
   }
   if (options.images.empty()) return results;
@@ -298,13 +300,14 @@ int RunScenes(const Options& options) {
   RequireWritable(options);
 
   cv::setNumThreads(options.threads);
+  bool inputs_fit = true;
   const RunResult run{.preset = preset.name,
                       .tof = tof.text(),
-                      .scenes = ResultsOf(options, scenes, methods, settings)};
+                      .scenes = ResultsOf(options, scenes, methods, settings, inputs_fit)};
   if (!options.json.empty()) WriteWhole(options.json, ToJson(run));
   if (!options.csv.empty()) WriteWhole(options.csv, ToCsv(run));
   if (!options.quiet && options.preset == "paper") std::cout << PaperTable(run.scenes);
-  return 0;
+  return inputs_fit ? 0 : 1;
 }
 
 int RunVideo(const Options& options) {

@@ -115,6 +115,20 @@ TEST(EvaluateProgram, NamesTheConfigurationInTheResults) {
   EXPECT_EQ(WithoutTimes(folder / "a.json")["preset"], "paper+mine");
 }
 
+TEST(EvaluateProgram, EndsWithOneWhereLeftAndRightAreTheSamePicture) {
+  const scenes::SceneFolder scene;
+  scene.Write2005({160, 120});
+  cv::Mat1b noise(120, 160);
+  cv::randu(noise, 0, 256);
+  for (const char* name : {"view1.png", "view5.png"}) scene.WriteImage(name, noise);
+  const TemporaryDirectory folder;
+  const MainOutcome outcome =
+      Evaluate({scene.File("."), "--methods", "prior", "--json", folder / "a.json"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("left and right are the same picture"));
+  EXPECT_EQ(folder.CountEntries(), 1);
+}
+
 TEST(EvaluateProgram, WritesAPictureOfEveryMapAndAFigure) {
   const TemporaryDirectory folder;
   ASSERT_EQ(Evaluate({"synthetic:96x72", "synthetic:80x64", "--methods", "prior,fgs", "--images",
