@@ -203,9 +203,11 @@ int RunCut(const CutOptions& options) {
   ReadProgress progress("reading " + options.in.string(), reader.size());
   int64_t events = 0;
   int64_t kept = 0;  // without calibrations that nobody asked for
+  std::set<std::string, std::less<>> absent = filter.names();
   for (LogEvent event; reader.Next(event); progress.Update(reader.position())) {
     ++events;
     if (!event.channel.starts_with(options.prefix)) continue;
+    if (const auto name = absent.find(event.channel); name != absent.end()) absent.erase(name);
     const auto id = IdOf(event);
     const bool in_range = id ? range.Has(id->seq) : false;
     if (id) memory.Add(event.channel.substr(options.prefix.size()), *id);
@@ -229,6 +231,10 @@ int RunCut(const CutOptions& options) {
   WarnOfDamage(options.in, reader.damage());
   memory.Warn();
   if (kept == 0) throw LogError(options.in, "no event in these frames and channels");
+  for (const std::string& name : absent) {
+    std::cerr << "sprout-log: " << options.in.string() << ": no event on " << Printable(name)
+              << "\n";
+  }
   out.Close();
   PrintWritten(out, options.out, events);
   return 0;

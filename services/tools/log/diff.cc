@@ -73,6 +73,8 @@ class LogDiff {
   bool IsSharedEqual() const;
   bool HasAnything() const;
   bool HasShared() const;
+  // A channel that was asked for and is in neither log, without prefix; else empty.
+  std::string Absent() const;
   void Warn();
 
  private:
@@ -253,6 +255,13 @@ bool LogDiff::HasAnything() const {
   return options_.common ? HasShared() : streams_[0].events() + streams_[1].events() > 0;
 }
 
+std::string LogDiff::Absent() const {
+  const auto absent = std::ranges::find_if(options_.channels, [&](const std::string& name) {
+    return !channels_.contains(options_.prefix + name);
+  });
+  return absent == options_.channels.end() ? "" : *absent;
+}
+
 void LogDiff::Warn() {
   progress_.Clear();
   WarnOfDamage(options_.a, streams_[0].reader().damage());
@@ -266,6 +275,9 @@ int RunDiff(const DiffOptions& options) {
     throw LogError(options.a, std::string("nothing to compare: ") +
                                   (options.common ? "no event on these channels is in both logs"
                                                   : "neither log has an event on these channels"));
+  }
+  if (const std::string absent = diff.Absent(); !absent.empty()) {
+    throw LogError(options.a, "--channels " + absent + ": neither log has an event on it");
   }
   diff.Warn();
   std::cout << diff.Report();

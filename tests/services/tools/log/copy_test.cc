@@ -105,6 +105,15 @@ TEST(LogCut, KeepsTheGraphOfAPrefix) {
       testing::ElementsAre(std::pair("TWO_SPROUT_RIG", 1), std::pair("TWO_SPROUT_PRIOR", 2)));
 }
 
+TEST(LogCut, NamesAChannelThatTheLogDoesNotHave) {
+  const LogFolder folder;
+  const auto in = folder.Write("in", GraphEvents(3));
+  const MainOutcome outcome =
+      RunLog({"cut", in, folder.File("out"), "--channels", "SPROUT_LEFT,SPROUT_RIGTH"});
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.err, testing::EndsWith(": no event on SPROUT_RIGTH\n"));
+}
+
 TEST(LogCut, LeavesNothingBehindWhenItFails) {
   const LogFolder folder;
   const auto in = folder.Write("in", GraphEvents(3));

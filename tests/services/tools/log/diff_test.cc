@@ -253,6 +253,8 @@ TEST_F(LogDiffTest, IsUnusableWithoutAnythingToCompare) {
   const auto a = folder_.Write("a", events_);
   const auto empty = folder_.Write("empty", {});
   ExpectRefused({"diff", a, a, "--channels", "SPROUT_LEFTT"}, "nothing to compare");
+  ExpectRefused({"diff", a, a, "--channels", "SPROUT_LEFT,SPROUT_RIGTH"},
+                "--channels SPROUT_RIGTH: neither log has an event on it");
   ExpectRefused({"diff", empty, empty}, "nothing to compare");
   ExpectRefused({"diff", a, folder_.File("none")}, "No such file");
   ExpectRefused({"diff", a}, "B is required");
