@@ -16,6 +16,8 @@ namespace {
 
 constexpr size_t kRecentFrames = 64;  // as far back a frame may come again
 constexpr size_t kShownGaps = 10;
+constexpr int64_t kLatest =
+    10'000'000;  // µs: a frame that comes later began anew, the clock set back
 
 std::string TypeText(std::span<const uint8_t> bytes) {
   if (const auto type = TypeOf(bytes)) return NameOf(*type);
@@ -65,7 +67,8 @@ void Sequence::Add(const FrameId& id) {
     ++gap_count_;
     if (gaps_.size() < kShownGaps) gaps_.push_back(gap);
   } else if (newest_ && id.seq <= newest_->seq) {
-    if (id.utime <= newest_->utime) return;  // late; not the newest
+    if (id.utime <= newest_->utime && id.utime > newest_->utime - kLatest)
+      return;  // not the newest
     ++restarts_;
   }
   newest_ = id;

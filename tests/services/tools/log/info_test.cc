@@ -96,6 +96,26 @@ TEST(LogInfo, SaysThatTheClockWasSetBack) {
               HasSubstr("the clock was set back, times: 1, by 3"));
 }
 
+// Capture was started again after the clock had been set back by an hour.
+TEST(LogInfo, CountsFramesBehindAClockThatWasSetBack) {
+  const LogFolder folder;
+  auto events = GraphEvents(5);
+  for (const int64_t seq : {0, 1, 3}) {
+    Event event = PartEvent(Part::kLeft, seq);
+    FrameId id = LogFrameId(seq);
+    id.utime -= 3'600'000'000;
+    event.utime -= 3'600'000'000;
+    event.data =
+        EncodePart(id, Part::kLeft, LogValue(Part::kLeft, seq), DisparityEncoding::kRawInt16);
+    events.push_back(event);
+  }
+  const MainOutcome outcome = RunLog({"info", folder.Write("log", events), "--check"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("the clock was set back, times: 1, by 3600."));
+  EXPECT_THAT(outcome.out, HasSubstr("SPROUT_LEFT: frame numbers began anew, times: 1\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("SPROUT_LEFT: frames left out: 2\n"));
+}
+
 TEST(LogInfo, FindsMessagesThatCannotBeDecoded) {
   const LogFolder folder;
   auto events = GraphEvents(4);
