@@ -130,6 +130,17 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"ends_at_once", "starts and answers: frame 0: the program ended with exit code 3"}),
     [](const auto& test) { return test.param.name; });
 
+TEST(CheckStageSystem, LooksAtWhatComesBesideTheAnswers) {
+  const auto check = [](const std::string& fault) {
+    return CheckStage("grow", {ProgramPath("wrong_stage"), fault},
+                      {"--timeout", "1", "--start-timeout", "5"});
+  };
+  ExpectFound({"", "type, size and encoding: SPROUT_CONFIDENCE, frame 0: an image of 64x48"},
+              check("small_confidence"));
+  ExpectFound({"", "one answer a frame: SPROUT_CONFIDENCE, frame 0: 2 messages"},
+              check("two_confidences"));
+}
+
 class CheckCaptureFaults : public testing::TestWithParam<Fault> {};
 
 TEST_P(CheckCaptureFaults, AreFoundForTheRightReason) {

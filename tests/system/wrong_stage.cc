@@ -1,5 +1,5 @@
 // A small prior with one fault at choice, to see that check_stage finds it; with "none" it has
-// none. usage: wrong_stage FAULT
+// none. Those of *_confidence are a grow's. usage: wrong_stage FAULT
 #include <csignal>
 #include <cstdlib>
 #include <iostream>
@@ -16,11 +16,14 @@
 namespace sprout {
 namespace {
 
-const std::set<std::string> kFaults = {
-    "none",           "drops_a_frame",   "answers_twice",  "changes_seq",  "changes_utime",
-    "changes_rig_id", "half_size",       "other_type",     "out_of_range", "empty",
-    "remembers",      "silent_if_poor",  "crashes_on_bad", "hangs_on_bad", "believes_bad",
-    "other_channel",  "ignores_sigterm", "ends_at_once",   "ends_early",   "fails"};
+const std::set<std::string> kFaults = {"none",           "drops_a_frame",   "answers_twice",
+                                       "changes_seq",    "changes_utime",   "changes_rig_id",
+                                       "half_size",      "other_type",      "out_of_range",
+                                       "empty",          "remembers",       "silent_if_poor",
+                                       "crashes_on_bad", "hangs_on_bad",    "believes_bad",
+                                       "other_channel",  "ignores_sigterm", "ends_at_once",
+                                       "ends_early",     "fails",           "small_confidence",
+                                       "two_confidences"};
 
 class WrongPrior {
  public:
@@ -81,6 +84,15 @@ class WrongPrior {
     if (Has("changes_rig_id")) id.rig_id += "x";
     std::vector<uint8_t> bytes =
         EncodePart(id, Part::kPrior, EvenPrior(Map(set), 1), DisparityEncoding::kRawInt16);
+    if (fault_.ends_with("confidence") || fault_.ends_with("confidences")) {
+      const cv::Mat1b confidence(Has("small_confidence") ? size_ / 2 : size_, uchar{9});
+      for (int i = 0; i < (Has("two_confidences") ? 2 : 1); ++i) {
+        Publish(Part::kConfidence, EncodePart(id, Part::kConfidence, cv::Mat(confidence),
+                                              DisparityEncoding::kRawInt16));
+      }
+      return Publish(Part::kDisparity,
+                     EncodePart(id, Part::kDisparity, Map(set), DisparityEncoding::kRawInt16));
+    }
     if (Has("other_type")) bytes = EncodePart(id, Part::kSeeds, set, DisparityEncoding::kRawInt16);
     Publish(Has("other_channel") ? Part::kDisparity : Part::kPrior, bytes);
     if (Has("answers_twice")) Publish(Part::kPrior, bytes);

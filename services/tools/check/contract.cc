@@ -210,6 +210,17 @@ void CheckAnswer(const PartValue& answer, cv::Size size, const std::string& what
   }
 }
 
+void CheckExtra(const PartValue& extra, cv::Size size, const std::string& what, Findings& found) {
+  if (const auto* image = std::get_if<cv::Mat>(&extra)) {
+    if (image->size() == size) return;
+    found.Add(Rule::kForm, fmt::format("{}: an image of {}; allowed is the size of LEFT, {}", what,
+                                       SizeText(image->size()), SizeText(size)));
+  } else if (std::holds_alternative<PriorMap>(extra) ||
+             std::holds_alternative<DisparityImage>(extra)) {
+    CheckMap(MapOf(extra), size, what, found);
+  }
+}
+
 bool IsEmptyAnswer(const PartValue& answer) {
   if (const auto* seeds = std::get_if<SeedSet>(&answer)) return seeds->seeds.empty();
   return MapOf(answer).CountValid() == 0;

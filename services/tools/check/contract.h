@@ -80,6 +80,10 @@ StageContract ContractOf(const std::string& stage);
 /// @param found  gets findings of Rule::kForm or kValues.
 void CheckAnswer(const PartValue& answer, cv::Size size, const std::string& what, Findings& found);
 
+/// Checks what a stage published besides its answer, beyond the checks of convert.h: the size of
+/// maps and images, the values of maps. Parameters as CheckAnswer() has them.
+void CheckExtra(const PartValue& extra, cv::Size size, const std::string& what, Findings& found);
+
 /// Whether an answer is empty: no seed, or no pixel with a disparity.
 bool IsEmptyAnswer(const PartValue& answer);
 

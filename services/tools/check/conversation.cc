@@ -146,10 +146,14 @@ void Conversation::TakeAnswer(const Heard& heard) {
 void Conversation::TakeExtra(Part part, const Heard& heard) {
   const Result<DecodedPart> decoded = DecodePart(part, heard.bytes);
   extras_heard_.Add(part);
-  if (decoded) {
-    Attribute(decoded->id);
-  } else {
-    found_.Add(Rule::kForm, heard.channel + ": " + decoded.error().text);
+  if (!decoded) return found_.Add(Rule::kForm, heard.channel + ": " + decoded.error().text);
+  Sent* const sent = Attribute(decoded->id);
+  if (sent == nullptr || sent->bad) return;
+  const std::string what = heard.channel + ", " + sent->name;
+  if (const int count = ++sent->extras[part]; count > 1) {
+    found_.Add(Rule::kOneAnswer, fmt::format("{}: {} messages", what, count));
+  } else if (sent->look == Look::kAll) {
+    CheckExtra(decoded->value, sent->size, what, found_);
   }
 }
 

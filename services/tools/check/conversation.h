@@ -91,6 +91,7 @@ class Conversation {
     Look look = Look::kIfAnswered;
     bool bad = false;  // not a valid frame: an answer is wrong
     int answers = 0;
+    std::map<Part, int> extras;
     std::optional<PartValue> answer;
     Clock::time_point answered;
   };
