@@ -150,7 +150,8 @@ class App {
     this.key = head.key;
     this.keys = head.keys;
     ++this.frames;
-    this.times.push(performance.now());
+    this.drawn = performance.now();
+    this.times.push(this.drawn);
     this.showFacts(head);
     this.timeLine.set(this.keys, this.key, this.playing);
     this.hover.ask();
@@ -169,6 +170,8 @@ class App {
     this.times = this.times.filter((time) => now - time < 3000);
     byId('rate').textContent = this.times.length > 1 ?
         (1000 * (this.times.length - 1) / (this.times.at(-1) - this.times[0])).toFixed(1) : '–';
+    // A picture that no other follows grows older.
+    if (now - this.drawn > 1000) this.showFacts(this.head);
   }
 
   // At the pace at which the frames of the log were taken.

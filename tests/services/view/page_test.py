@@ -206,7 +206,20 @@ def check_numbers(browser, programs):
         check(f"the numbers of {stage} are those of its status", same, f"{row} and {expected}")
 
 
+def check_phone(browser):
+    browser.devtools("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=1, mobile=True)
+    check("a phone shows the whole width", browser.wait("innerWidth == 390 && document.body.scrollWidth <= 390"),
+          browser.run("return [innerWidth, document.body.scrollWidth]"))
+    check("nothing in its header lies over another", browser.run("""
+        const boxes = [...document.querySelectorAll('header > *')].map((e) => e.getBoundingClientRect());
+        return boxes.every((a, i) => boxes.every((b, k) => i === k ||
+            a.left >= b.right || b.left >= a.right || a.top >= b.bottom || b.top >= a.bottom));"""))
+    browser.devtools("Emulation.clearDeviceMetricsOverride")
+
+
 def check_coming_back(browser, programs):
+    check("a picture that no other follows grows older",
+          browser.wait("Number(document.getElementById('age').textContent) > 4000", 10))
     programs.start("capture", "--source", "synthetic:320x240", "--rate", "4")
     check("sprout-view ends when it is told to", programs.stop("view") == 0)
     check("the page says that nobody answers",
@@ -349,6 +362,7 @@ def main():
                 check_pictures(browser)
                 check_pixel(browser, check_looking(browser))
                 check_sigma(browser)
+                check_phone(browser)
                 check_saving(programs, folder)
                 check_numbers(browser, programs)
                 check_coming_back(browser, programs)
