@@ -45,8 +45,8 @@ constexpr char kDescription[] =
     "                                                            low confidence\n"
     "  kill -USR1 PID                                               keep the last seconds\n"
     "\n"
-    "Exit codes: 0; 1 when it had to stop (quota, disk) or lost messages; 2 a flag that cannot be\n"
-    "used.";
+    "Exit codes: 0; 1 when it had to stop (quota, disk), lost messages or received none; 2 a flag\n"
+    "that cannot be used.";
 
 RecordedEvent::Clock::duration Seconds(double seconds) {
   return std::chrono::duration_cast<RecordedEvent::Clock::duration>(
@@ -68,6 +68,7 @@ void RequireChannel(const std::string& flag, const std::string& channel) {
 RecordingOptions OptionsOf(const Options& options) {
   RecordingOptions recording;
   recording.channels = options.channels;
+  recording.named = !options.channels.empty();
   if (recording.channels.empty()) {
     for (const std::string_view channel : AllChannels()) recording.channels.emplace_back(channel);
   }

@@ -141,6 +141,7 @@ bool Recording::IsRecorded(std::string_view channel) const {
 void Recording::Receive(std::string_view channel, std::span<const uint8_t> bytes) try {
   const bool record = IsRecorded(channel);
   if (IsOwn(channel, bytes)) return;
+  if (record && !heard_.contains(channel)) heard_.emplace(channel);
   if (const auto part = PartOf(channel); part && record) CountFrame(*part, bytes);
   if (record || channel == ChannelOf(Part::kConfidence)) {
     const auto kind = record ? QueuedEvent::Kind::kMessage : QueuedEvent::Kind::kLookAt;
@@ -268,14 +269,12 @@ void Recording::Finish() {
   unwritten_ = static_cast<int64_t>(queue_.size());
   // At least the message that it failed at, which may not have come as far as the recorder.
   if (failed_) unwritten_ += std::max<int64_t>(recorder_.unwritten(), 1);
-  if (!options_.ring && !failed_ && folder_.events() == 0) {
+  if (heard_.empty() && !failed_) {
     monitor_.Warn("nothing came; is the graph running with this --lcm-url and --channel-prefix?");
   }
 }
 
-bool Recording::IsWhole() const {
-  return !failed_ && dropped_ == 0 && (options_.ring || folder_.events() > 0);
-}
+bool Recording::IsWhole() const { return !failed_ && dropped_ == 0 && !heard_.empty(); }
 
 std::string Recording::Summary() const {
   std::string gaps;
@@ -294,6 +293,9 @@ std::string Recording::Summary() const {
     text += fmt::format("; {:.1f} MB of messages became {:.1f} MB",
                         static_cast<double>(uncompressed_bytes_) / 1e6,
                         static_cast<double>(compressed_bytes_) / 1e6);
+  }
+  for (const std::string& channel : options_.channels) {
+    if (options_.named && !heard_.contains(channel)) text += "; nothing came on " + channel;
   }
   if (folder_.deleted() > 0) text += fmt::format("; {} older logs deleted", folder_.deleted());
   return text;

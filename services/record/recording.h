@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -75,6 +76,7 @@ class Recorder {
 
 struct RecordingOptions {
   std::vector<std::string> channels;  ///< without prefix
+  bool named = false;                 ///< whether somebody asked for these channels
   LogFolderOptions folder;
   std::optional<RingOptions> ring;
   std::optional<std::string> trigger_channel;  ///< without prefix; any message on it
@@ -135,12 +137,13 @@ class Recording {
   RecordingOptions options_;
   std::string prefix_;
   StageMonitor& monitor_;
-  int32_t depth_every_;                // frames; sprout-depth publishes the first of so many
-  std::optional<Part> counted_part_;   // whose messages are counted as frames
-  std::map<Part, SequenceGaps> gaps_;  // of the receiving thread
-  std::atomic<int64_t> dropped_ = 0;   // messages that did not fit into the queue
-  int64_t triggers_ = 0;               // of the writing thread, as all below
-  int64_t unwritten_ = 0;              // messages lost since writing failed
+  int32_t depth_every_;                       // frames; sprout-depth publishes the first of so many
+  std::optional<Part> counted_part_;          // whose messages are counted as frames
+  std::map<Part, SequenceGaps> gaps_;         // of the receiving thread
+  std::set<std::string, std::less<>> heard_;  // recorded channels with messages; of that thread
+  std::atomic<int64_t> dropped_ = 0;          // messages that did not fit into the queue
+  int64_t triggers_ = 0;                      // of the writing thread, as all below
+  int64_t unwritten_ = 0;                     // messages lost since writing failed
   std::optional<MessageCompressor> compressor_;
   int64_t uncompressed_bytes_ = 0;  // of the messages that it made smaller
   int64_t compressed_bytes_ = 0;

@@ -128,6 +128,27 @@ TEST(RecordRobot, KeepsTheSecondsBeforeASignal) {
   EXPECT_GE(SeqsOf(ReadChannels(answers), Part::kSeeds).size(), 35U);
 }
 
+TEST(RecordRobot, NamesChannelsOnWhichNothingCame) {
+  const TemporaryDirectory folder;
+  Graph graph;
+  Process& record =
+      graph.Start("record", {"--dir", folder / "logs", "--channels", "SPROUT_LEFT,SPROUT_RIGTH"});
+  graph.PublishPart({.utime = NowUtime(), .seq = 1, .rig_id = "a"}, Part::kLeft,
+                    cv::Mat(cv::Mat1b(9, 9)));
+  ASSERT_TRUE(HasRecorded(graph, 1));
+  record.Signal(SIGTERM);
+  ASSERT_EQ(record.Wait(), 0) << record.Output();
+  EXPECT_THAT(record.Output(), HasSubstr("; nothing came on SPROUT_RIGTH\n"));
+}
+
+TEST(RecordRobot, SaysSoWhenNothingCameIntoTheRing) {
+  const TemporaryDirectory folder;
+  Process record({ProgramPath("sprout-record"), "--dir", folder / "logs", "--ring", "5",
+                  "--channel-prefix", "NOBODY_", "--seconds", "1"});
+  EXPECT_EQ(record.Wait(), 1);
+  EXPECT_THAT(record.Output(), HasSubstr("nothing came; is the graph running"));
+}
+
 TEST(RecordRobot, KeepsWhatAMessageOrALowConfidenceAsksFor) {
   const TemporaryDirectory folder;
   const fs::path logs = folder / "logs";
