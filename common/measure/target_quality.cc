@@ -72,4 +72,13 @@ std::string TargetText(const TargetFigure& figure, const TargetQuality& quality)
                      figure.unit);
 }
 
+std::string TargetComplaint(const TargetQuality& quality) {
+  if (!quality.distance_m) return "no plane: too few pixels of the region have a disparity";
+  constexpr double kMostRmsPx = 1;
+  if (!(quality.subpixel_rms_px > kMostRmsPx)) return "";
+  return fmt::format(
+      "no plane: pixels lie {:.1f} px beside it (RMS): is the region flat, and its map right?",
+      *quality.subpixel_rms_px);
+}
+
 }  // namespace sprout

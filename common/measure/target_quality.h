@@ -56,6 +56,10 @@ const TargetFigure* FindTargetFigure(std::string_view name);
 /// A figure for people: with decimals and unit, "-" when it was not measured.
 std::string TargetText(const TargetFigure& figure, const TargetQuality& quality);
 
+/// Why these are no figures of a flat target, in one line for people; empty: they are. A target
+/// that is flat lies within 1 px RMS of its plane, with any map that is of use.
+std::string TargetComplaint(const TargetQuality& quality);
+
 }  // namespace sprout
 
 #endif  // SPROUT_COMMON_MEASURE_TARGET_QUALITY_H_

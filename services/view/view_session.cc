@@ -112,7 +112,7 @@ nlohmann::json TargetPanel::Figures() const {
                         {"frames", quality.frames},
                         {"figures", std::move(figures)}};
   if (meter_->edge()) answer["edge"] = RectJson(*meter_->edge());
-  if (!quality.distance_m) answer["error"] = "no plane: too few pixels have a disparity";
+  if (std::string why = TargetComplaint(quality); !why.empty()) answer["error"] = std::move(why);
   return answer;
 }
 

@@ -291,7 +291,7 @@ class Run {
       WriteWhole(options_.report, ReportHtml(measurement_, limits_, input));
     }
     std::cout << TableText(measurement_, limits_) << MissingText(quality, measurement_.settings());
-    return quality.distance_m && IsGood(quality, limits_) ? 0 : 1;
+    return IsGood(quality, limits_) ? 0 : 1;
   }
 
  private:

@@ -115,7 +115,8 @@ std::vector<Limit> LoadLimits(const std::filesystem::path& path) {
 }
 
 bool IsGood(const TargetQuality& quality, std::span<const Limit> limits) {
-  return std::ranges::all_of(limits, [&](const Limit& limit) { return limit.IsKept(quality); });
+  return TargetComplaint(quality).empty() &&
+         std::ranges::all_of(limits, [&](const Limit& limit) { return limit.IsKept(quality); });
 }
 
 std::string TableText(const Measurement& measurement, std::span<const Limit> limits) {
@@ -175,8 +176,8 @@ std::string JsonText(const Measurement& measurement, std::span<const Limit> limi
 
 std::string MissingText(const TargetQuality& quality, const TargetSettings& settings) {
   std::string text;
-  if (quality.frames > 0 && !quality.distance_m) {
-    text += "no plane: too few pixels of the region have a disparity\n";
+  if (const std::string why = TargetComplaint(quality); quality.frames > 0 && !why.empty()) {
+    text += why + "\n";
   }
   if (!settings.distance_m)
     text += "no Z-accuracy: the true distance is not known (--distance-m)\n";

@@ -73,7 +73,7 @@ struct Limit {
 ///         limits, bounds that are missing, no numbers or the wrong way round, and no limit at all.
 std::vector<Limit> LoadLimits(const std::filesystem::path& path);
 
-/// Whether every limit is kept; true without limits.
+/// Whether a plane was found, see TargetComplaint(), and every limit is kept.
 bool IsGood(const TargetQuality& quality, std::span<const Limit> limits);
 
 /// The figures that were measured, a line each, and those that have a limit, with their limits and

@@ -329,6 +329,17 @@ TEST_F(QualityProgram, WritesNoTwoResultsToOneFile) {
   EXPECT_EQ(RunQuality({log, "--json", "/dev/null", "--report", "/dev/null"}).exit_code, 0);
 }
 
+// A ridge: two planes, as of a corner of a room.
+TEST_F(QualityProgram, TakesNoCornerForAPlane) {
+  cv::Mat1f map(240, 320);
+  for (int u = 0; u < map.cols; ++u) {
+    map.col(u).setTo(80 + 0.1 * std::abs(u - map.cols / 2));
+  }
+  const MainOutcome outcome = RunQuality({WriteLog("run.lcm", std::vector<cv::Mat1f>{map})});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("\nno plane: pixels lie "));
+}
+
 TEST_F(QualityProgram, SaysThatNoEdgeCrossesTheEdge) {
   const MainOutcome outcome = RunQuality({WriteLog("run.lcm", Maps(1)), "--edge", "20,20,60,60"});
   EXPECT_THAT(outcome.out, HasSubstr("no edge width: no step of 1 px or more in --edge\n"));
