@@ -327,7 +327,13 @@ int RunVideo(const Options& options) {
   }
   progress.Clear();
   if (!options.quiet) std::cout << VideoTable(results);
-  return 0;
+  bool inputs_fit = true;
+  for (const VideoResult& result : results) {
+    if (result.wrong_inputs.empty()) continue;
+    std::cerr << "sprout-evaluate: " << result.source << ": " << result.wrong_inputs << "\n";
+    inputs_fit = false;
+  }
+  return inputs_fit ? 0 : 1;
 }
 
 int RunLog(const Options& options, const ReadLog& read_log) {

@@ -14,6 +14,7 @@
 #include "common/core/image.h"
 #include "common/core/output_file.h"
 #include "common/core/quantile.h"
+#include "common/inputs/check_inputs.h"
 #include "common/measure/score.h"
 #include "common/picture/html.h"
 #include "common/picture/picture.h"
@@ -187,6 +188,10 @@ VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settin
     frame.id = {.utime = static_cast<int64_t>(std::llround(1e6 * (i + 1) / settings.rate_hz)),
                 .seq = i,
                 .rig_id = "video"};
+    if (i == 0) {
+      result.wrong_inputs =
+          BadText(inputs::CheckInputs(captured.left, captured.right, captured.tof, rig));
+    }
     frame.left = WithNoise(captured.left, settings.image_noise, random);
     frame.right = WithNoise(captured.right, settings.image_noise, random);
     frame.tof = captured.tof;

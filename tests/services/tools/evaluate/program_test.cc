@@ -129,6 +129,17 @@ TEST(EvaluateProgram, EndsWithOneWhereLeftAndRightAreTheSamePicture) {
   EXPECT_EQ(folder.CountEntries(), 1);
 }
 
+TEST(EvaluateProgram, EndsWithOneWhereAVideoIsWrong) {
+  const scenes::SceneFolder scene;
+  scene.Write2005({160, 120});
+  cv::Mat1b noise(120, 160);
+  cv::randu(noise, 0, 256);
+  for (const char* name : {"view1.png", "view5.png"}) scene.WriteImage(name, noise);
+  const MainOutcome outcome = Evaluate({"video", "middlebury:" + scene.File("."), "--frames", "3"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("left and right are the same picture"));
+}
+
 TEST(EvaluateProgram, WritesAPictureOfEveryMapAndAFigure) {
   const TemporaryDirectory folder;
   ASSERT_EQ(Evaluate({"synthetic:96x72", "synthetic:80x64", "--methods", "prior,fgs", "--images",
