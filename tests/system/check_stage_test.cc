@@ -115,6 +115,7 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"other_type", "type, size and encoding: SPROUT_PRIOR, frame 0: fingerprint"},
         Fault{"out_of_range", "values in range: SPROUT_PRIOR, frame 0: disparity -3 px at (0, 0)"},
         Fault{"empty", "values in range: SPROUT_PRIOR, frame 0: an empty answer"},
+        Fault{"stands_still", "values in range: all 5 frames got the same answer"},
         Fault{"remembers", "same frame, same answer: frame"},
         Fault{"silent_if_poor",
               "poor frames answered: frame 0 without any ToF return: no answer on SPROUT_PRIOR"},

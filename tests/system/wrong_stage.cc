@@ -16,14 +16,29 @@
 namespace sprout {
 namespace {
 
-const std::set<std::string> kFaults = {"none",           "drops_a_frame",   "answers_twice",
-                                       "changes_seq",    "changes_utime",   "changes_rig_id",
-                                       "half_size",      "other_type",      "out_of_range",
-                                       "empty",          "remembers",       "silent_if_poor",
-                                       "crashes_on_bad", "hangs_on_bad",    "believes_bad",
-                                       "other_channel",  "ignores_sigterm", "ends_at_once",
-                                       "ends_early",     "fails",           "small_confidence",
-                                       "two_confidences"};
+const std::set<std::string> kFaults = {"none",
+                                       "drops_a_frame",
+                                       "answers_twice",
+                                       "changes_seq",
+                                       "changes_utime",
+                                       "changes_rig_id",
+                                       "half_size",
+                                       "other_type",
+                                       "out_of_range",
+                                       "empty",
+                                       "remembers",
+                                       "silent_if_poor",
+                                       "crashes_on_bad",
+                                       "hangs_on_bad",
+                                       "believes_bad",
+                                       "other_channel",
+                                       "ignores_sigterm",
+                                       "ends_at_once",
+                                       "ends_early",
+                                       "fails",
+                                       "small_confidence",
+                                       "two_confidences",
+                                       "stands_still"};
 
 class WrongPrior {
  public:
@@ -57,11 +72,15 @@ class WrongPrior {
     if (Has("believes_bad") && part == Part::kSeeds && id) Answer(*id, {.seeds = {{1, 1, 0}}});
   }
 
-  // Every pixel has the disparity of the first seed.
+  // Every pixel has the mean disparity of the seeds.
   DisparityImage Map(const SeedSet& set) {
     const cv::Size size = Has("half_size") ? size_ / 2 : size_;
     if (set.seeds.empty() || Has("empty")) return DisparityImage(size);
-    double disparity = set.seeds[0].disparity();
+    double disparity = 0;
+    for (const Seed& seed : set.seeds) {
+      disparity += seed.disparity() / static_cast<double>(set.seeds.size());
+    }
+    if (Has("stands_still")) disparity = 5;
     if (Has("out_of_range")) disparity = -3;
     if (Has("remembers")) disparity += static_cast<double>(count_ % 7);
     return DisparityImage(cv::Mat1s(size, ToCounts(disparity)));

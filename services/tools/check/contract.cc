@@ -233,6 +233,12 @@ bool IsSameAnswer(const PartValue& a, const PartValue& b) {
   return prior == nullptr || IsSameMat(prior->sigma, std::get<PriorMap>(b).sigma);
 }
 
+bool AreAllTheSame(std::span<const PartValue> answers) {
+  return answers.size() > 1 && std::ranges::all_of(answers, [&](const PartValue& answer) {
+           return IsSameAnswer(answer, answers[0]);
+         });
+}
+
 std::string CompareAnswers(std::span<const PartValue> answers,
                            std::span<const PartValue> recorded) {
   if (answers.empty() || answers.size() != recorded.size()) {

@@ -90,6 +90,9 @@ bool IsEmptyAnswer(const PartValue& answer);
 /// Whether two answers are equal.
 bool IsSameAnswer(const PartValue& a, const PartValue& b);
 
+/// Whether there are several answers, and all are equal.
+bool AreAllTheSame(std::span<const PartValue> answers);
+
 /// One line for people: how far answers are from the recorded ones.
 std::string CompareAnswers(std::span<const PartValue> answers, std::span<const PartValue> recorded);
 

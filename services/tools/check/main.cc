@@ -134,6 +134,12 @@ class StageCheck {
       comparable_.push_back(*answers_.back());
       recorded_.push_back(*frame.recorded);
     }
+    // As of a program that sends its first map again and again.
+    if (AreAllTheSame(comparable_) && !AreAllTheSame(recorded_)) {
+      found_.Add(Rule::kValues, fmt::format("all {} frames got the same answer; the recorded ones "
+                                            "differ",
+                                            comparable_.size()));
+    }
   }
 
   void Again() {
