@@ -277,7 +277,7 @@ std::string JsonText(const LogSummary& log, const std::filesystem::path& file) {
   const Json json = {{"file", file.string()},        {"bytes", log.bytes},
                      {"events", log.events},         {"first_utime", log.first_utime},
                      {"last_utime", log.last_utime}, {"whole", IsWhole(log)},
-                     {"set_back", log.set_back}, {"channels", channels},
+                     {"set_back", log.set_back},     {"channels", channels},
                      {"processes", processes},       {"damage", damage}};
   // Paths and channels may hold any bytes; JSON may not.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
