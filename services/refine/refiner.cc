@@ -42,21 +42,22 @@ int WindowSum(const cv::Mat1b& image, int u, int v) {
 
 }  // namespace
 
-bool UnsurePoints::Is(const Seed& point, double noise_px) {
-  return SharedSigmaPx(point, noise_px) > RangeRules::kUnsurePx;
+bool UnsurePoints::Is(const Seed& point, const RangeNoise& noise) {
+  const double noise_px = noise.PxAt(point.disparity());
+  return SharedSigmaPx(point, std::min(noise_px, RangeRules::kMostNoisePx)) > RangeRules::kUnsurePx;
 }
 
-int UnsurePoints::Drop(const CellGrid& grid, double noise_px, std::span<const Seed> stereo,
+int UnsurePoints::Drop(const CellGrid& grid, const RangeNoise& noise, std::span<const Seed> stereo,
                        std::vector<Seed>& points) {
   others_.clear();
   std::ranges::copy_if(points, std::back_inserter(others_),
-                       [&](const Seed& point) { return !Is(point, noise_px); });
+                       [&](const Seed& point) { return !Is(point, noise); });
   if (others_.size() == points.size()) return 0;
   others_.insert(others_.end(), stereo.begin(), stereo.end());
   surface_.Set(others_, grid.size, grid.spacing_px);
   return static_cast<int>(std::erase_if(points, [&](const Seed& point) {
     const cv::Point cell(grid.At(point.u), grid.At(point.v));
-    return Is(point, noise_px) && cv::Rect({}, grid.size).contains(cell) &&
+    return Is(point, noise) && cv::Rect({}, grid.size).contains(cell) &&
            surface_.SigmaPx(cell) < double{point.sigma_px};
   }));
 }
@@ -99,13 +100,13 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
     if (config_.align_tof()) Align(left, right, tof, projector);
     for (ProjectedPoint& point : points_) point.seed.sigma_px = 0;
     if (config_.range_bias() != RefineConfig::OFF) MoveToTruth(left, right, tof, projector, result);
-    noise_px_ =
-        std::clamp(NoisePx(left, right), SurfaceRules::kMinSigmaPx, SurfaceRules::kMaxSigmaPx);
+    noise_ = Noise(left, right);
     for (ProjectedPoint& point : points_) {
       Seed& seed = point.seed;
-      seed.sigma_px = std::clamp(std::hypot(seed.sigma_px, static_cast<float>(noise_px_)),
-                                 static_cast<float>(SurfaceRules::kMinSigmaPx),
-                                 static_cast<float>(SurfaceRules::kMaxSigmaPx));
+      seed.sigma_px =
+          std::clamp(std::hypot(seed.sigma_px, static_cast<float>(noise_.PxAt(seed.disparity()))),
+                     static_cast<float>(SurfaceRules::kMinSigmaPx),
+                     static_cast<float>(SurfaceRules::kMaxSigmaPx));
     }
     KeepReliable(left, right, tof, result);
     KeepVisible(left, right, result);
@@ -119,7 +120,7 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
             ? stereo_.found()
             : stereo_.Find(left, right, result.seeds, Covered(dense), spacing_px, zones_.most_px());
     unanswered_cells_ = stereo_.unanswered();
-    if (dense) result.contradicted += unsure_.Drop(grid, noise_px_, stereo, result.seeds);
+    if (dense) result.contradicted += unsure_.Drop(grid, noise_, stereo, result.seeds);
     result.seeds.insert(result.seeds.end(), stereo.begin(), stereo.end());
   }
   if (!zones.views.empty()) FillFromZones(result, grid, left.size());
@@ -132,7 +133,7 @@ RangeInput Refiner::InputOf(const cv::Mat1b& left, const cv::Mat1b& right, const
           .right = right,
           .rig = rig,
           .surface = surface_,
-          .noise_px = surface_.NoisePx(points_),
+          .noise_px = surface_.Noise(points_).middle_px,
           .coarse = stereo_.IsCoarse(surface_.spacing_px(), left.cols)};
 }
 
@@ -229,11 +230,12 @@ void Refiner::FillFromZones(const SeedSet& result, const CellGrid& grid, cv::Siz
 }
 
 // Points that are far apart differ by the shape of the scene as well as by their noise.
-double Refiner::NoisePx(const cv::Mat1b& left, const cv::Mat1b& right) {
-  const double noise_px = surface_.NoisePx(points_);
+RangeNoise Refiner::Noise(const cv::Mat1b& left, const cv::Mat1b& right) {
+  RangeNoise noise = surface_.Noise(points_);
   const bool coarse = config_.stereo_seeds() && stereo_.IsCoarse(surface_.spacing_px(), left.cols);
-  if (!coarse || noise_px <= SurfaceRules::kMinSigmaPx) return noise_px;
-  return std::min(noise_px, ImageNoisePx(left, right, points_));
+  if (!coarse || noise.middle_px <= SurfaceRules::kMinSigmaPx) return noise;
+  noise.scale *= std::min(1.0, ImageNoisePx(left, right, points_) / noise.middle_px);
+  return noise;
 }
 
 // Where the ToF camera sees something. What it says of dark regions is not to be believed; of
@@ -245,8 +247,7 @@ std::span<const cv::Point2f> Refiner::Covered(bool dense) {
   covered_.clear();
   const bool is_off = range_error_.moved_share > 0;
   const auto is_unsure = [&](const Seed& point) {
-    return is_off ? point.sigma_px > StereoRules::kSharedSigmaPx
-                  : UnsurePoints::Is(point, noise_px_);
+    return is_off ? point.sigma_px > StereoRules::kSharedSigmaPx : UnsurePoints::Is(point, noise_);
   };
   for (size_t i = 0; i < points_.size(); ++i) {
     const bool sure = !dense || !is_unsure(points_[i].seed);

@@ -29,15 +29,16 @@ namespace sprout::refine {
 /// stereo is surer, it counts instead.
 class UnsurePoints {
  public:
-  /// @param noise_px  standard deviation of the points' noise. What their own standard deviation
-  ///                  has beside it is an error that neighbours share.
-  /// @returns whether that error is so large that stereo may be surer. O(1).
-  static bool Is(const Seed& point, double noise_px);
+  /// @param noise  of the points. What their own standard deviation has beside it is an error that
+  ///               neighbours share.
+  /// @returns whether that error, or noise of which the mean over neighbours is still large, is
+  /// such that stereo may be surer. O(1).
+  static bool Is(const Seed& point, const RangeNoise& noise);
 
   /// Drops unsure points where an interpolation between the others and stereo's seeds is surer than
   /// they, eq. (R11) of the README.
   /// @returns how many. O(points + cells); nothing is done if no point is unsure.
-  int Drop(const CellGrid& grid, double noise_px, std::span<const Seed> stereo,
+  int Drop(const CellGrid& grid, const RangeNoise& noise, std::span<const Seed> stereo,
            std::vector<Seed>& points);
 
  private:
@@ -128,7 +129,7 @@ class Refiner {
   bool IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                    const TofProjector& projector);
   void DropNoise();
-  double NoisePx(const cv::Mat1b& left, const cv::Mat1b& right);
+  RangeNoise Noise(const cv::Mat1b& left, const cv::Mat1b& right);
   std::span<const cv::Point2f> Covered(bool dense);
   void FillFromZones(const SeedSet& result, const CellGrid& grid, cv::Size image);
   void KeepVisible(const cv::Mat1b& left, const cv::Mat1b& right, SeedSet& result);
@@ -148,7 +149,7 @@ class Refiner {
   RangeError range_error_;
   SensorPlace place_;
   UnsurePoints unsure_;
-  double noise_px_ = 0;               // of the points
+  RangeNoise noise_;                  // of the points
   std::vector<ProjectedPoint> kept_;  // first those whose window lies in both images
   size_t kept_in_both_ = 0;
   SeedSet left_seeds_;

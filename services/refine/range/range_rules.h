@@ -103,6 +103,8 @@ struct RangeRules {
   /// From this systematic error on, one standard deviation, stereo is asked at a point's place,
   /// too: a little more than what its matches share (kSharedSigmaPx of StereoRules); see NOTES.md.
   static constexpr double kUnsurePx = 0.25;
+  /// Of more noise the mean over neighbours is less sure than stereo, too. Measured (NOTES.md).
+  static constexpr double kMostNoisePx = 1.5;
   /// The status tells the share of the points that were moved by more.
   static constexpr double kFarMovePx = kUnsurePx;
   /// Variance, px², of a node with a curvature of 1 a px²: measured with simulated bumps.

@@ -24,6 +24,14 @@ struct SurfaceRules {
   static constexpr double kNoiseQuantile = 0.2533;
   /// Variance of a point less the mean of two others, for points of σ = 1: 1 + 2 / 4.
   static constexpr double kNoiseVariance = 1.5;
+  /// How the noise depends on the disparity is seen in so many deviations at most, of so many
+  /// groups of equally many; with fewer in one it is taken for the same everywhere.
+  static constexpr size_t kNoiseSample = 3000;
+  static constexpr size_t kNoiseBins = 6;
+  static constexpr size_t kFewestOfBin = 100;
+  /// A higher power has to leave less than this part of the ratio of the groups' largest to their
+  /// smallest noise: a simulated SR4000, whose noise is even, has ratios of 1.4 to 2.
+  static constexpr double kEvener = 0.7;
   /// How far beside a point they are matched, px.
   static constexpr int kMatchReachPx = 3;
   /// Most points that are looked at: enough for a median of a quarter of them, good to 10 %.

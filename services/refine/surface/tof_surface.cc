@@ -83,7 +83,8 @@ void TofSurface::SetSteps(const TofCamera& tof, std::span<const ProjectedPoint> 
 
 void TofSurface::Set(const Rig& rig, std::span<const ProjectedPoint> points) {
   size_ = rig.pair.size();
-  noise_px_.reset();
+  noise_.reset();
+  infinity_px_ = rig.pair.cx - rig.pair.cx_right;
   SetSteps(rig.tof, points);
   column_px_ = column_step_ * rig.pair.focal_px / rig.tof.fx;
   row_px_ = row_step_ * rig.pair.focal_px / rig.tof.fy;
@@ -100,24 +101,17 @@ void TofSurface::Set(const Rig& rig, std::span<const ProjectedPoint> points) {
   }
 }
 
-double TofSurface::NoisePx(std::span<const ProjectedPoint> points) {
-  if (!noise_px_) noise_px_ = NewNoisePx(points);
-  return *noise_px_;
-}
-
-double TofSurface::NewNoisePx(std::span<const ProjectedPoint> points) {
+const RangeNoise& TofSurface::Noise(std::span<const ProjectedPoint> points) {
+  if (noise_) return *noise_;
   deviations_.clear();
   for (const ProjectedPoint& point : points) {
     const float* at = At(point);
     for (const std::ptrdiff_t step : {std::ptrdiff_t{1}, stride_}) {
       const float off = *at - (at[step] + at[-step]) / 2;
-      if (!std::isnan(off)) deviations_.push_back(std::abs(off));
+      if (!std::isnan(off)) deviations_.push_back({.disparity_px = *at, .off_px = std::abs(off)});
     }
   }
-  if (deviations_.empty()) return 0;
-  using Rules = SurfaceRules;
-  return Quantile(deviations_, Rules::kNoiseShare) /
-         (Rules::kNoiseQuantile * std::sqrt(Rules::kNoiseVariance));
+  return noise_.emplace(FindRangeNoise(deviations_, infinity_px_));
 }
 
 bool TofSurface::IsIsolated(const ProjectedPoint& point, double tolerance_px) const {

@@ -10,6 +10,7 @@
 
 #include "common/geometry/projection.h"
 #include "services/refine/surface/cell_lists.h"
+#include "services/refine/surface/range_noise.h"
 
 namespace sprout::refine {
 
@@ -84,11 +85,11 @@ class TofSurface {
   /// O(1); thread-safe.
   Plane PlaneOf(const ProjectedPoint& point, double tolerance_px) const;
 
-  /// Standard deviation of the points' disparities, px, estimated from how far they lie from the
-  /// mean of the neighbours on either side. 0 when they show none.
+  /// Standard deviation of the points' disparities, estimated from how far they lie from the mean
+  /// of the neighbours on either side. 0 when they show none.
   /// @param points  those that the surface was made of.
   /// O(ToF pixels) at the first call, then O(1).
-  double NoisePx(std::span<const ProjectedPoint> points);
+  const RangeNoise& Noise(std::span<const ProjectedPoint> points);
 
   /// Whether a point is isolated: fewer than two of the eight cells around have a
   /// disparity within `tolerance_px`. Flying pixels, whose light comes from two surfaces so that
@@ -147,7 +148,6 @@ class TofSurface {
   };
   class HiddenTest;
 
-  double NewNoisePx(std::span<const ProjectedPoint> points);
   int RowStep(const TofCamera& tof, std::span<const ProjectedPoint> points, int columns);
   void SetSteps(const TofCamera& tof, std::span<const ProjectedPoint> points);
   // Index of the cell in which a point lies.
@@ -172,14 +172,15 @@ class TofSurface {
   int next_row_ = 1;        // from one beam to the next, ToF pixels
   double next_row_px_ = 1;  // in the images of the pair, px
   int tof_rows_ = 0;
+  double infinity_px_ = 0;      // disparity of what is infinitely far
   cv::Point2d piece_px_{1, 1};  // size of a piece, px
   std::ptrdiff_t stride_ = 0;
   int rows_ = 0;
   std::vector<float> disparity_;  // of the cells and one more all around, NaN = none
   std::vector<int> last_row_;     // with a return in each ToF column
   std::vector<int> gaps_;
-  std::vector<float> deviations_;
-  std::optional<double> noise_px_;        // once it was asked for
+  std::vector<Deviation> deviations_;
+  std::optional<RangeNoise> noise_;       // once it was asked for
   std::vector<int32_t> nearest_of_cell_;  // index of a point, −1 = none; cells for pieces
   std::vector<Piece> pieces_;
   View left_;

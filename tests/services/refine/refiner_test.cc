@@ -338,14 +338,14 @@ TEST(Refiner, PutsSeedsOfThePairBehindThoseOfTheTofCamera) {
   }
 }
 
-constexpr double kNoisePx = 0.5;
+constexpr RangeNoise kPointNoise{.scale = 0.5};
 constexpr float kUnsurePx = 2;
 
 Seed PointAt(int u, int v, double disparity, double shared_px) {
   return {.u = static_cast<float>(u),
           .v = static_cast<float>(v),
           .u_right = static_cast<float>(u - disparity),
-          .sigma_px = static_cast<float>(std::hypot(shared_px, kNoisePx))};
+          .sigma_px = static_cast<float>(std::hypot(shared_px, kPointNoise.scale))};
 }
 
 // Points every 10 px of 200×100; those from column 100 on are unsure.
@@ -357,17 +357,41 @@ std::vector<Seed> HalfUnsure() {
   return points;
 }
 
-TEST(UnsurePoints, NoiseAloneMakesNoPointUnsure) {
-  EXPECT_FALSE(UnsurePoints::Is(PointAt(5, 5, 20, 0), kNoisePx));
-  EXPECT_FALSE(UnsurePoints::Is(PointAt(5, 5, 20, 0.2), kNoisePx));
-  EXPECT_TRUE(UnsurePoints::Is(PointAt(5, 5, 20, 0.3), kNoisePx));
+TEST(UnsurePoints, NoiseOfOnePixelMakesNoPointUnsure) {
+  EXPECT_FALSE(UnsurePoints::Is(PointAt(5, 5, 20, 0), kPointNoise));
+  EXPECT_FALSE(UnsurePoints::Is(PointAt(5, 5, 20, 0.2), kPointNoise));
+  EXPECT_TRUE(UnsurePoints::Is(PointAt(5, 5, 20, 0.3), kPointNoise));
+  for (const float noise_px : {1.0F, 3.0F}) {
+    const Seed point{.u = 5, .v = 5, .u_right = -15, .sigma_px = noise_px};
+    EXPECT_EQ(UnsurePoints::Is(point, {.scale = noise_px}), noise_px > 2);
+  }
+}
+
+// 1.5 % of the range, the same in metres: little noise on the wall at 12 px, much on the boxes.
+TEST(Refiner, KnowsThatNoiseInMetresGrowsWithTheDisparity) {
+  BoxScene scene;
+  cv::RNG random(4);
+  for (float& depth_m : scene.tof.depth_m) {
+    depth_m += static_cast<float>(random.gaussian(0.015 * scene.tof.depth_m(0, 0)));
+  }
+  const auto seeds = scene.Refine(RefineConfig());
+  const auto sigma_px = [&](float disparity) {
+    for (const Seed& seed : seeds->seeds) {
+      if (seed.origin == SeedOrigin::kTof && std::abs(seed.disparity() - disparity) < 0.01F) {
+        return seed.sigma_px;
+      }
+    }
+    return 0.0F;
+  };
+  EXPECT_NEAR(sigma_px(12), 0.18, 0.05);
+  EXPECT_GT(sigma_px(20), 1.5F * sigma_px(12));
 }
 
 TEST(UnsurePoints, StayWhereNothingIsSurer) {
   std::vector<Seed> points = HalfUnsure();
   for (Seed& point : points) point = PointAt(int(point.u), int(point.v), 20, kUnsurePx);
   UnsurePoints unsure;
-  EXPECT_EQ(unsure.Drop(CellGrid(10, {200, 100}), kNoisePx, {}, points), 0);
+  EXPECT_EQ(unsure.Drop(CellGrid(10, {200, 100}), kPointNoise, {}, points), 0);
   EXPECT_EQ(points.size(), 200U);
 }
 
@@ -381,7 +405,7 @@ TEST(UnsurePoints, GiveWayToSeedsOfStereoAmongThem) {
     }
   }
   UnsurePoints unsure;
-  EXPECT_GT(unsure.Drop(CellGrid(10, {200, 100}), kNoisePx, stereo, points), 60);
+  EXPECT_GT(unsure.Drop(CellGrid(10, {200, 100}), kPointNoise, stereo, points), 60);
   const auto sure = std::ranges::count_if(points, [](const Seed& p) { return p.u < 100; });
   EXPECT_EQ(sure, 100) << "a sure point was dropped";
 }

@@ -52,7 +52,7 @@ struct ScanScene {
 
   ScanMove Estimate(ScanAligner aligner = {}) const {
     TofSurface surface(rig, points);
-    const double noise_px = surface.NoisePx(points);
+    const double noise_px = surface.Noise(points).middle_px;
     return aligner.Estimate({left, right, rig, surface, noise_px, false}, points);
   }
 

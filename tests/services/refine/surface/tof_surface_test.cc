@@ -298,9 +298,9 @@ TEST(TofSurface, EstimatesTheNoiseOfItsPointsAndNotTheirShape) {
         points.push_back(Point(i, j, static_cast<float>(40 + shape + random.gaussian(noise_px))));
       }
     }
-    EXPECT_NEAR(TofSurface(rig, points).NoisePx(points), noise_px, 0.1);
+    EXPECT_NEAR(TofSurface(rig, points).Noise(points).middle_px, noise_px, 0.1);
   }
-  EXPECT_EQ(TofSurface().NoisePx({}), 0);
+  EXPECT_EQ(TofSurface().Noise({}).middle_px, 0);
 }
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();

@@ -1,0 +1,33 @@
+#ifndef SPROUT_SERVICES_REFINE_SURFACE_RANGE_NOISE_H_
+#define SPROUT_SERVICES_REFINE_SURFACE_RANGE_NOISE_H_
+
+#include <vector>
+
+namespace sprout::refine {
+
+/// By how much a point of a range sensor lies beside the mean of its neighbours on either side.
+struct Deviation {
+  float disparity_px;
+  float off_px;  ///< ≥ 0
+};
+
+/// Standard deviation of range points as a function of their disparity, see "noise" in the README:
+/// σ(d) = s Dᵏ with D = d − d(infinity). In metres the noise grows with z² (k = 0: a ToF camera,
+/// which gets less light from afar), with z (k = 1), or is the same everywhere (k = 2: a lidar).
+struct RangeNoise {
+  double scale = 0;        ///< s
+  int power = 0;           ///< k: 0 to 2
+  double infinity_px = 0;  ///< disparity of what is infinitely far
+  double middle_px = 0;    ///< σ at the median of the disparities, px
+
+  /// σ at a disparity, px: kMinSigmaPx to kMaxSigmaPx of SurfaceRules; below D = 1 px as there.
+  double PxAt(double disparity_px) const;
+};
+
+/// The noise that the deviations show: with k such that s differs least between near and far. Of no
+/// deviation 0. O(deviations), and 3000 of them are sorted.
+RangeNoise FindRangeNoise(const std::vector<Deviation>& deviations, double infinity_px);
+
+}  // namespace sprout::refine
+
+#endif  // SPROUT_SERVICES_REFINE_SURFACE_RANGE_NOISE_H_
