@@ -15,7 +15,12 @@ using Rules = SurfaceRules;
 
 constexpr int kPowers = 3;
 
-double Power(double base_px, int power) { return std::pow(std::max(1.0, base_px), power); }
+double Power(double base_px, int power) {
+  const double base = std::max(1.0, base_px);
+  double product = 1;
+  for (int i = 0; i < power; ++i) product *= base;
+  return product;
+}
 
 // The standard deviation of points of which these are the deviations.
 double SigmaOf(std::vector<float>& offs) {

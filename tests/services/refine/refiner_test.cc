@@ -367,24 +367,29 @@ TEST(UnsurePoints, NoiseOfOnePixelMakesNoPointUnsure) {
   }
 }
 
-// 1.5 % of the range, the same in metres: little noise on the wall at 12 px, much on the boxes.
 TEST(Refiner, KnowsThatNoiseInMetresGrowsWithTheDisparity) {
   BoxScene scene;
+  const cv::Size size = scene.tof.depth_m.size();
+  for (int j = 0; j < size.height; ++j) {
+    for (int i = 0; i < size.width; ++i) scene.SetDisparity(i, j, 5 + i / 2.0);
+  }
+  const double noise_m = 0.004 * scene.tof.depth_m(0, 0);
   cv::RNG random(4);
   for (float& depth_m : scene.tof.depth_m) {
-    depth_m += static_cast<float>(random.gaussian(0.015 * scene.tof.depth_m(0, 0)));
+    depth_m += static_cast<float>(random.gaussian(noise_m));
   }
-  const auto seeds = scene.Refine(RefineConfig());
+  RefineConfig config;
+  config.set_range_bias(RefineConfig::OFF);  // the images show something else
+  const auto seeds = scene.Refine(config);
   const auto sigma_px = [&](float disparity) {
     for (const Seed& seed : seeds->seeds) {
-      if (seed.origin == SeedOrigin::kTof && std::abs(seed.disparity() - disparity) < 0.01F) {
-        return seed.sigma_px;
-      }
+      if (std::abs(seed.disparity() - disparity) < 0.1F) return seed.sigma_px;
     }
     return 0.0F;
   };
-  EXPECT_NEAR(sigma_px(12), 0.18, 0.05);
-  EXPECT_GT(sigma_px(20), 1.5F * sigma_px(12));
+  // Of 0.004 (5 / d) z: 0.004 d² / 5.
+  EXPECT_NEAR(sigma_px(15), 0.18, 0.04);
+  EXPECT_NEAR(sigma_px(30), 0.72, 0.1);
 }
 
 TEST(UnsurePoints, StayWhereNothingIsSurer) {
