@@ -11,8 +11,6 @@
 namespace sprout::refine {
 namespace {
 
-using Rules = SurfaceRules;
-
 constexpr int kPowers = 3;
 
 double Power(double base_px, int power) {
@@ -24,13 +22,14 @@ double Power(double base_px, int power) {
 
 // The standard deviation of points of which these are the deviations.
 double SigmaOf(std::vector<float>& offs) {
-  return Quantile(offs, Rules::kNoiseShare) /
-         (Rules::kNoiseQuantile * std::sqrt(Rules::kNoiseVariance));
+  return Quantile(offs, SurfaceRules::kNoiseShare) /
+         (SurfaceRules::kNoiseQuantile * std::sqrt(SurfaceRules::kNoiseVariance));
 }
 
 // @param sample  sorted by disparity.
 int PowerOf(std::span<const Deviation> sample, double infinity_px) {
-  const size_t bins = std::min(sample.size() / Rules::kFewestOfBin, Rules::kNoiseBins);
+  const size_t bins =
+      std::min(sample.size() / SurfaceRules::kFewestOfBin, SurfaceRules::kNoiseBins);
   std::array<double, kPowers> least, most;
   least.fill(HUGE_VAL);
   most.fill(0);
@@ -40,7 +39,7 @@ int PowerOf(std::span<const Deviation> sample, double infinity_px) {
     const size_t end = sample.size() * (bin + 1) / bins;
     offs.clear();
     for (size_t i = begin; i < end; ++i) offs.push_back(sample[i].off_px);
-    const double sigma_px = std::max(Rules::kMinSigmaPx, SigmaOf(offs));
+    const double sigma_px = std::max(SurfaceRules::kMinSigmaPx, SigmaOf(offs));
     const double middle_px = sample[(begin + end) / 2].disparity_px - infinity_px;
     for (int power = 0; power < kPowers; ++power) {
       const double scale = sigma_px / Power(middle_px, power);
@@ -51,7 +50,7 @@ int PowerOf(std::span<const Deviation> sample, double infinity_px) {
   }
   size_t best = 0;
   for (size_t power = 1; power < kPowers; ++power) {
-    if (most[power] / least[power] < Rules::kEvener * most[best] / least[best]) best = power;
+    if (most[power] / least[power] < SurfaceRules::kEvener * most[best] / least[best]) best = power;
   }
   return static_cast<int>(best);
 }
@@ -59,15 +58,16 @@ int PowerOf(std::span<const Deviation> sample, double infinity_px) {
 }  // namespace
 
 double RangeNoise::PxAt(double disparity_px) const {
-  return std::clamp(scale * Power(disparity_px - infinity_px, power), Rules::kMinSigmaPx,
-                    Rules::kMaxSigmaPx);
+  return std::clamp(scale * Power(disparity_px - infinity_px, power), SurfaceRules::kMinSigmaPx,
+                    SurfaceRules::kMaxSigmaPx);
 }
 
 RangeNoise FindRangeNoise(const std::vector<Deviation>& deviations, double infinity_px) {
   RangeNoise noise{.infinity_px = infinity_px};
   if (deviations.empty()) return noise;
   std::vector<Deviation> sample;
-  for (size_t i = 0; i < deviations.size(); i += deviations.size() / Rules::kNoiseSample + 1) {
+  for (size_t i = 0; i < deviations.size();
+       i += deviations.size() / SurfaceRules::kNoiseSample + 1) {
     sample.push_back(deviations[i]);
   }
   std::ranges::sort(sample, {}, &Deviation::disparity_px);
