@@ -12,9 +12,10 @@ namespace sprout::refine {
 /// What stereo says of where a range sensor looks.
 struct SensorPlace {
   bool is_displaced = false;  ///< its points clearly fit better elsewhere in the picture
-  cv::Point2d move_px;  ///< what has to be added there to their positions in the left image; or
-  /// by what their distances from its middle have to be multiplied: not 1 for a lens whose field of
-  /// view is so many times as wide as calibrated.
+  /// What has to be added there to their positions in the left image.
+  cv::Point2d move_px;
+  /// Or by what their distances from its middle have to be multiplied: not 1 for a lens whose field
+  /// of view is so many times as wide as calibrated.
   double spread = 1;
   double agree_as_is = 0;  ///< share of the matches that agree with the points around them, 0 to 1
   double agree_moved = 0;  ///< the same with the points moved
