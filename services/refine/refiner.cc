@@ -234,7 +234,9 @@ RangeNoise Refiner::Noise(const cv::Mat1b& left, const cv::Mat1b& right) {
   RangeNoise noise = surface_.Noise(points_);
   const bool coarse = config_.stereo_seeds() && stereo_.IsCoarse(surface_.spacing_px(), left.cols);
   if (!coarse || noise.middle_px <= SurfaceRules::kMinSigmaPx) return noise;
-  noise.scale *= std::min(1.0, ImageNoisePx(left, right, points_) / noise.middle_px);
+  const double part = std::min(1.0, ImageNoisePx(left, right, points_) / noise.middle_px);
+  noise.scale *= part;
+  noise.middle_px *= part;
   return noise;
 }
 

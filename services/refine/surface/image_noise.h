@@ -9,7 +9,7 @@
 namespace sprout::refine {
 
 /// Standard deviation of the points' disparities, px, by how far beside them the images match best.
-/// In contrast to TofSurface::NoisePx() it does not take the shape of what lies between points that
+/// In contrast to TofSurface::Noise() it does not take the shape of what lies between points that
 /// are far apart for noise; but a match errs as well, so noise below 0.5 px is not seen.
 ///
 /// @param left, right  rectified pair, grey, of one size.

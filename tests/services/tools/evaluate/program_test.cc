@@ -115,12 +115,16 @@ TEST(EvaluateProgram, NamesTheConfigurationInTheResults) {
   EXPECT_EQ(WithoutTimes(folder / "a.json")["preset"], "paper+mine");
 }
 
-TEST(EvaluateProgram, EndsWithOneWhereLeftAndRightAreTheSamePicture) {
-  const scenes::SceneFolder scene;
+void WriteOnePictureTwice(const scenes::SceneFolder& scene) {
   scene.Write2005({160, 120});
   cv::Mat1b noise(120, 160);
   cv::randu(noise, 0, 256);
   for (const char* name : {"view1.png", "view5.png"}) scene.WriteImage(name, noise);
+}
+
+TEST(EvaluateProgram, EndsWithOneWhereLeftAndRightAreTheSamePicture) {
+  const scenes::SceneFolder scene;
+  WriteOnePictureTwice(scene);
   const TemporaryDirectory folder;
   const MainOutcome outcome =
       Evaluate({scene.File("."), "--methods", "prior", "--json", folder / "a.json"});
@@ -131,10 +135,7 @@ TEST(EvaluateProgram, EndsWithOneWhereLeftAndRightAreTheSamePicture) {
 
 TEST(EvaluateProgram, EndsWithOneWhereAVideoIsWrong) {
   const scenes::SceneFolder scene;
-  scene.Write2005({160, 120});
-  cv::Mat1b noise(120, 160);
-  cv::randu(noise, 0, 256);
-  for (const char* name : {"view1.png", "view5.png"}) scene.WriteImage(name, noise);
+  WriteOnePictureTwice(scene);
   const MainOutcome outcome = Evaluate({"video", "middlebury:" + scene.File("."), "--frames", "3"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("left and right are the same picture"));
