@@ -50,12 +50,15 @@ void PutFirst(StageResult& result, const std::string& finding) {
 
 std::string PlaceText(const SensorPlace& place) {
   const std::string where =
-      place.spread == 1
-          ? "about " + inputs::MoveText(place.move_px)
-          : fmt::format("{:.2f} times as far from the middle (is that its lens?)", place.spread);
+      place.scale != 1
+          ? fmt::format("{:.2f} times as far away (unit, focal length, baseline?)", 1 / place.scale)
+      : place.spread != 1
+          ? fmt::format("{:.2f} times as far from the middle of the left image (is that its lens?)",
+                        place.spread)
+          : "about " + inputs::MoveText(place.move_px) + " in the left image";
   return fmt::format(
-      "range points belong {} in the left image (there {:.0f} % of them agree with stereo, where "
-      "they are {:.0f} %): none is believed",
+      "range points belong {} (there {:.0f} % of them agree with stereo, where they are "
+      "{:.0f} %): none is believed",
       where, 100 * place.agree_moved, 100 * place.agree_as_is);
 }
 

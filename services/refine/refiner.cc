@@ -187,7 +187,8 @@ bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const T
   const PlacedPoints points{.raw = raw,
                             .corrected = points_,
                             .spacing_px = {surface_.column_px(), surface_.row_px()},
-                            .image = left.size()};
+                            .image = left.size(),
+                            .infinity_px = projector.rig().pair.cx - projector.rig().pair.cx_right};
   double error_px = 0;
   const std::span<const Seed> coarse = stereo_.FindCoarse(left, right, error_px);
   if (!FindSensorPlace(points, coarse, RangeRules::kAgreePx + error_px, RangeRules::kFirstLook)

@@ -136,6 +136,9 @@ struct RangeRules {
   /// Fields of view that are tried, in parts of the calibrated one, and the first of finer steps.
   static constexpr double kSpreads[] = {0.7, 0.78, 0.86, 0.93, 1.07, 1.15, 1.25, 1.4};
   static constexpr double kSpreadStep = 0.04;
+  /// Ranges that are tried are up to so many times as long or short, in steps of 1 %: 2 px at 200.
+  static constexpr double kMaxScale = 1.43;
+  static constexpr double kScaleStep = 0.01;
   static constexpr size_t kMostMatches = 1000;
   /// Points and stereo agree to so many px.
   static constexpr double kAgreePx = 2;

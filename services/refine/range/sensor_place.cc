@@ -13,19 +13,20 @@ namespace {
 struct Elsewhere {
   cv::Point2d move_px;
   double spread = 1;
+  double scale = 1;
 };
 
 // Disparities of points by their places in the left image.
 class PointMap {
  public:
-  PointMap(std::span<const ProjectedPoint> points, double agree_px, const cv::Size2d& spacing_px,
-           const cv::Size& size)
-      : agree_px_(static_cast<float>(agree_px)),
-        centre_(size.width / 2.0, size.height / 2.0),
-        wide_(std::max(1.0, spacing_px.width)),
-        high_(std::max(1.0, spacing_px.height)),
-        map_(static_cast<int>(size.height / high_) + 1, static_cast<int>(size.width / wide_) + 1,
-             kNothing) {
+  PointMap(const PlacedPoints& all, std::span<const ProjectedPoint> points, double agree_px)
+      : agree_px_(agree_px),
+        infinity_px_(all.infinity_px),
+        centre_(all.image.width / 2.0, all.image.height / 2.0),
+        wide_(std::max(1.0, all.spacing_px.width)),
+        high_(std::max(1.0, all.spacing_px.height)),
+        map_(static_cast<int>(all.image.height / high_) + 1,
+             static_cast<int>(all.image.width / wide_) + 1, kNothing) {
     for (const ProjectedPoint& point : points) {
       const cv::Point cell = CellOf({point.seed.u, point.seed.v});
       if (!IsIn(cell)) continue;
@@ -33,14 +34,15 @@ class PointMap {
     }
   }
 
-  // What the points say of a match when all are spread and moved.
+  // What the points say of a match when all are scaled, spread and moved.
   enum class Vote { kNone, kAgrees, kDisagrees };
   Vote Ask(const Seed& match, const Elsewhere& where) const {
     const cv::Point2d there(match.u, match.v);
     const cv::Point cell = CellOf(centre_ + (there - where.move_px - centre_) / where.spread);
     const float here = IsIn(cell) ? map_(cell) : kNothing;
     if (here == kNothing) return Vote::kNone;
-    return std::abs(here - match.disparity()) <= agree_px_ ? Vote::kAgrees : Vote::kDisagrees;
+    const double scaled = infinity_px_ + (here - infinity_px_) * where.scale;
+    return std::abs(scaled - match.disparity()) <= agree_px_ ? Vote::kAgrees : Vote::kDisagrees;
   }
 
  private:
@@ -51,7 +53,7 @@ class PointMap {
   }
   bool IsIn(const cv::Point& cell) const { return cv::Rect({}, map_.size()).contains(cell); }
 
-  float agree_px_;
+  double agree_px_, infinity_px_;
   cv::Point2d centre_;
   double wide_, high_;
   cv::Mat1f map_;
@@ -104,6 +106,16 @@ class PlaceSearch {
     return best_;
   }
 
+  // Of shorter and longer ranges.
+  Elsewhere BestScale() {
+    most_ = kNoShare;
+    for (double scale = 1; scale < RangeRules::kMaxScale; scale *= 1 + RangeRules::kScaleStep) {
+      LookAt({.move_px = {}, .spread = 1, .scale = scale});
+      LookAt({.move_px = {}, .spread = 1, .scale = 1 / scale});
+    }
+    return best_;
+  }
+
  private:
   static constexpr double kNoShare = -1;
 
@@ -146,7 +158,8 @@ class PlaceSearch {
 // Whether the points as measured fit better elsewhere than the corrected ones where they are.
 SensorPlace Compare(const PlacedPoints& points, const PointMap& raw, const PointMap& corrected,
                     std::span<const Seed> matches, const Elsewhere& elsewhere, double strictness) {
-  SensorPlace place{.move_px = elsewhere.move_px, .spread = elsewhere.spread};
+  SensorPlace place{
+      .move_px = elsewhere.move_px, .spread = elsewhere.spread, .scale = elsewhere.scale};
   // Matches side by side err together, so blocks of them are counted.
   constexpr int kBlocks = RangeRules::kMoveBlocks;
   cv::Mat1d gains(kBlocks, kBlocks, 0.0);
@@ -169,7 +182,7 @@ SensorPlace Compare(const PlacedPoints& points, const PointMap& raw, const Point
   // Half a pixel of the sensor does no harm.
   const double pixels = std::hypot(place.move_px.x / points.spacing_px.width,
                                    place.move_px.y / points.spacing_px.height);
-  const bool is_far = place.spread != 1 || pixels >= 1;
+  const bool is_far = place.spread != 1 || place.scale != 1 || pixels >= 1;
   // Where stereo itself errs less, so many are enough: what does not agree anywhere is its errors.
   const double enough = std::min(RangeRules::kMoveGain, 1 - place.agree_moved);
   place.is_displaced = is_far && as_is.compared >= RangeRules::kFewestCompared &&
@@ -183,17 +196,19 @@ SensorPlace Compare(const PlacedPoints& points, const PointMap& raw, const Point
 
 SensorPlace FindSensorPlace(const PlacedPoints& points, std::span<const Seed> matches,
                             double agree_px, double strictness) {
-  const PointMap raw(points.raw, agree_px, points.spacing_px, points.image);
-  const PointMap corrected(points.corrected, agree_px, points.spacing_px, points.image);
+  const PointMap raw(points, points.raw, agree_px);
+  const PointMap corrected(points, points.corrected, agree_px);
   PlaceSearch search(raw, matches);
-  const auto compare = [&](const Elsewhere& elsewhere) {
-    return Compare(points, raw, corrected, matches, elsewhere, strictness);
-  };
-  const SensorPlace moved = compare(search.BestMove(points.image.width));
-  const SensorPlace spread = compare(search.BestSpread());
-  const bool is_lens =
-      spread.is_displaced && (!moved.is_displaced || spread.agree_moved > moved.agree_moved);
-  return is_lens ? spread : moved;
+  SensorPlace best;
+  for (const Elsewhere& elsewhere :
+       {search.BestMove(points.image.width), search.BestSpread(), search.BestScale()}) {
+    const SensorPlace place = Compare(points, raw, corrected, matches, elsewhere, strictness);
+    const bool is_better = place.is_displaced == best.is_displaced
+                               ? place.agree_moved > best.agree_moved
+                               : place.is_displaced;
+    if (is_better) best = place;
+  }
+  return best;
 }
 
 }  // namespace sprout::refine

@@ -9,14 +9,17 @@
 
 namespace sprout::refine {
 
-/// What stereo says of where a range sensor looks.
+/// What stereo says of where a range sensor looks, and of its unit.
 struct SensorPlace {
-  bool is_displaced = false;  ///< its points clearly fit better elsewhere in the picture
+  bool is_displaced =
+      false;  ///< its points clearly fit better elsewhere in the picture, or in depth
   /// What has to be added there to their positions in the left image.
   cv::Point2d move_px;
   /// Or by what their distances from its middle have to be multiplied: not 1 for a lens whose field
   /// of view is so many times as wide as calibrated.
   double spread = 1;
+  /// Or by what their depths have to be divided: not 1 for a sensor of another unit or baseline.
+  double scale = 1;
   double agree_as_is = 0;  ///< share of the matches that agree with the points around them, 0 to 1
   double agree_moved = 0;  ///< the same with the points moved
   double gain_sigmas = 0;  ///< standard deviations of the difference
@@ -28,11 +31,12 @@ struct PlacedPoints {
   std::span<const ProjectedPoint> corrected;  ///< less what was found of their errors
   cv::Size2d spacing_px;                      ///< from one to the next in the left image
   cv::Size image;                             ///< the left one
+  double infinity_px = 0;                     ///< disparity of infinity: cx − cx' of the pair
 };
 
 /// Asks whether a range sensor was turned or moved, or has another lens: whether its points, all
-/// moved by one offset in the left image or spread about its middle, fit the disparities of stereo
-/// better than where they are, and better than after RangeBias, too.
+/// moved by one offset in the left image, spread about its middle or scaled in depth, fit the
+/// disparities of stereo better than where they are, and better than after RangeBias, too.
 /// @param matches   of stereo that knows nothing of the points.
 /// @param agree_px  by which points and matches may differ where they agree.
 /// @param strictness  1; less: for a first look.

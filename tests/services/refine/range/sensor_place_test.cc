@@ -79,6 +79,18 @@ TEST(SensorPlace, FindsALensThatIsNotTheCalibratedOne) {
   }
 }
 
+// 30 px are the disparity of infinity.
+TEST(SensorPlace, FindsRangesThatAreTooLongOrTooShort) {
+  for (const double scale : {0.75, 0.9, 1.1, 1.3}) {
+    const auto points =
+        Points([&](const cv::Point2d& at) { return 30 + (BoxesPx(at) - 30) / scale; });
+    PlacedPoints placed{points, points, {kSpacingPx, kSpacingPx}, kImage, 30};
+    const SensorPlace place = FindSensorPlace(placed, Matches(), 0.5);
+    EXPECT_TRUE(place.is_displaced) << scale;
+    EXPECT_NEAR(place.scale, scale, 0.03) << scale;
+  }
+}
+
 // An edge is only seen to a pixel of the sensor.
 TEST(SensorPlace, IsRightForASensorThatIsOffByLessThanItsPixel) {
   const auto points =
