@@ -23,6 +23,10 @@ CorrectionKnot CorrectionAt(std::span<const CorrectionKnot> correction, double r
   return at;
 }
 
+double BrightnessOf(double amplitude, double middle) {
+  return amplitude > 0 ? amplitude / (amplitude + middle) - 0.5 : 0;
+}
+
 void CheckCorrection(Checks& checks, const std::string& name,
                      std::span<const CorrectionKnot> correction) {
   checks.Require(correction.size() <= kMaxCorrectionKnots, (name + ": knots").c_str(),
@@ -42,6 +46,14 @@ void CheckCorrection(Checks& checks, const std::string& name,
                  (at + "offset_m").c_str(), knot.offset_m,
                  "one that leaves farther points farther than those of the knot before");
   }
+}
+
+void CheckCorrection(Checks& checks, const std::string& name,
+                     const AmplitudeCorrection& correction) {
+  if (correction.empty()) return;
+  checks.Within(name + ".offset_m", correction.offset_m, -kMaxOffsetM, kMaxOffsetM, "m")
+      .Within(name + ".sigma_m", correction.sigma_m, 0, kMaxOffsetM, "m")
+      .Positive((name + ".middle").c_str(), correction.middle);
 }
 
 }  // namespace sprout

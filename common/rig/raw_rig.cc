@@ -110,6 +110,7 @@ Result<void> CheckRawRig(const RawRig& rig) {
   }
   checks.Positive("range_scale", rig.range_scale).Finite("range_offset_m", rig.range_offset_m);
   CheckCorrection(checks, "range_correction", rig.range_correction);
+  CheckCorrection(checks, "amplitude_correction", rig.amplitude_correction);
   if (checks.ok()) CheckPair(checks, rig);
   if (!checks.ok()) return checks.error();
   return {};

@@ -23,7 +23,14 @@ struct RawRig {
   /// "Time-of-Flight Cameras", 2012).
   double range_scale = 1;
   double range_offset_m = 0;
-  RangeCorrection range_correction = {};  ///< is added after that; a curve of the range
+  RangeCorrection range_correction = {};          ///< is added after that; a curve of the range
+  AmplitudeCorrection amplitude_correction = {};  ///< as well; of the amplitude
+
+  /// Whether ranges are right as they are measured.
+  bool HasRightRanges() const {
+    return range_scale == 1 && range_offset_m == 0 && range_correction.empty() &&
+           amplitude_correction.empty();
+  }
 };
 
 /// A camera rotated about its own place: rotation = exp(turn) · rotation. Nothing changes, to the

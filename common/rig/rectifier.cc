@@ -34,10 +34,9 @@ BilinearRemap Rectifier::RemapOf(const Lens& lens, const cv::Matx33d& turn, doub
 }
 
 void Rectifier::CorrectRanges(TofImage& tof) const {
-  const bool is_right =
-      raw_.range_scale == 1 && raw_.range_offset_m == 0 && raw_.range_correction.empty();
-  if (tof.depth_m.empty() || is_right) return;
+  if (tof.depth_m.empty() || raw_.HasRightRanges()) return;
   assert(tof.depth_m.size() == range_per_depth_.size());
+  const bool has_light = tof.amplitude.size() == tof.depth_m.size();
   cv::Mat1f corrected = tof.depth_m.clone();  // the image may be shared
   for (int v = 0; v < corrected.rows; ++v) {
     for (int u = 0; u < corrected.cols; ++u) {
@@ -47,6 +46,10 @@ void Rectifier::CorrectRanges(TofImage& tof) const {
       double right_m = raw_.range_scale * depth_m + raw_.range_offset_m / length;
       if (!raw_.range_correction.empty()) {
         right_m += CorrectionAt(raw_.range_correction, right_m * length).offset_m / length;
+      }
+      if (const AmplitudeCorrection& light = raw_.amplitude_correction;
+          !light.empty() && has_light) {
+        right_m += light.offset_m * BrightnessOf(tof.amplitude(v, u), light.middle) / length;
       }
       depth_m = static_cast<float>(right_m);
     }

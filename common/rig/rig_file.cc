@@ -85,6 +85,8 @@ RawRig CheckedRig(const std::string& field, const RigCalibration& calibration) {
   for (const RangeCorrectionKnot& knot : calibration.range_correction()) {
     rig.range_correction.push_back({knot.range_m(), knot.offset_m(), knot.sigma_m()});
   }
+  const auto& light = calibration.amplitude_correction();
+  rig.amplitude_correction = {light.offset_m(), light.sigma_m(), light.middle()};
   if (const Result<void> checked = CheckRawRig(rig); !checked) {
     throw ConfigError(field + checked.error().text);
   }
@@ -139,10 +141,11 @@ TofCamera TofCameraOf(const RigDescription& description, const fs::path& path) {
                       ": no ToF camera; allowed: a file with calibration { tof left_from_tof }");
   }
   if (calibration.range_scale() != 1 || calibration.range_offset_m() != 0 ||
-      calibration.range_correction_size() > 0) {
-    throw ConfigError("rig file " + path.string() +
-                      ": a bias of the range, but no left and right cameras; allowed: "
-                      "range_scale: 1, range_offset_m: 0 and no range_correction");
+      calibration.range_correction_size() > 0 || calibration.has_amplitude_correction()) {
+    throw ConfigError(
+        "rig file " + path.string() +
+        ": a bias of the range, but no left and right cameras; allowed: "
+        "range_scale: 1, range_offset_m: 0, no range_correction, no amplitude_correction");
   }
   const Lens lens = CheckedLens("calibration.tof", calibration.tof());
   const Pose pose = CheckedPose("calibration.left_from_tof", calibration.left_from_tof());
@@ -219,6 +222,12 @@ RigCalibration ToCalibration(const RawRig& rig) {
     message.set_range_m(knot.range_m);
     message.set_offset_m(knot.offset_m);
     message.set_sigma_m(knot.sigma_m);
+  }
+  if (const AmplitudeCorrection& light = rig.amplitude_correction; !light.empty()) {
+    auto& message = *calibration.mutable_amplitude_correction();
+    message.set_offset_m(light.offset_m);
+    message.set_sigma_m(light.sigma_m);
+    message.set_middle(light.middle);
   }
   return calibration;
 }

@@ -95,9 +95,7 @@ void RigError::Apply(Scene& scene) const {
     right = calibrate::RectifyAgain(AsItComes(used, pair), RightCamera(used, pair)).Apply(right);
   }
   rig.tof.left_from_tof_rotation = used.left_from_tof.rotation;
-  if (used.range_offset_m != 0 || !used.range_correction.empty()) {
-    Rectifier(used).CorrectRanges(scene.frame.tof);
-  }
+  if (!used.HasRightRanges()) Rectifier(used).CorrectRanges(scene.frame.tof);
   scene.frame.right = right;
   scene.right_grey = ToGrey(right);
   scene.projector = TofProjector(rig);

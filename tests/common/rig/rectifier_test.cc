@@ -145,6 +145,27 @@ TEST(Rectifier, AddsTheCorrectionOfTheRangesAfterScaleAndOffset) {
   }
 }
 
+TEST(Rectifier, AddsWhatDependsOnTheAmplitude) {
+  RawRig raw = TiltedRig();
+  raw.amplitude_correction = {.offset_m = -0.02, .sigma_m = 0.001, .middle = 300};
+  const Rectifier rectifier(raw);
+  const auto added_m = [&](float amplitude) {
+    TofImage tof{.depth_m = cv::Mat1f(raw.tof.size(), 2.F),
+                 .amplitude = cv::Mat1f(raw.tof.size(), amplitude)};
+    rectifier.CorrectRanges(tof);
+    const double length = DirectionOfPixel(raw.tof, {88, 71}).homogeneous().norm();
+    return tof.depth_m(71, 88) * length - (1.01 * 2 * length - 0.02);
+  };
+  EXPECT_NEAR(added_m(300), 0, 2e-6);
+  EXPECT_NEAR(added_m(1e-3F), 0.01, 2e-6);
+  EXPECT_NEAR(added_m(900), -0.005, 2e-6);
+  EXPECT_NEAR(added_m(1e9F), -0.01, 2e-6);
+  EXPECT_NEAR(added_m(0), 0, 2e-6) << "not known";
+  TofImage without{.depth_m = cv::Mat1f(raw.tof.size(), 2.F), .amplitude = {}};
+  rectifier.CorrectRanges(without);
+  EXPECT_NEAR(without.depth_m(71, 88), 2, 0.03);
+}
+
 TEST(Rectifier, ServesARigWithoutAToFCamera) {
   RawRig raw = TiltedRig();
   raw.tof = {};

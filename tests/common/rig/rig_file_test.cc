@@ -84,10 +84,13 @@ TEST_F(RigFile, KeepsEveryNumberOfACalibration) {
 TEST_F(RigFile, KeepsTheCorrectionOfTheRanges) {
   RawRig rig = TiltedRig();
   rig.range_correction = {{0.5, 0.012, 0.001}, {1.25, -0.003, 0.002}, {4, 0.02, 0.01}};
+  rig.amplitude_correction = {-0.012, 0.002, 474.5};
   RigDescription written;
   *written.mutable_calibration() = ToCalibration(rig);
   ASSERT_TRUE(SaveRigFile(path_, written));
-  EXPECT_EQ(RequireCalibration(LoadRigFile(path_), path_).range_correction, rig.range_correction);
+  const RawRig again = RequireCalibration(LoadRigFile(path_), path_);
+  EXPECT_EQ(again.range_correction, rig.range_correction);
+  EXPECT_EQ(again.amplitude_correction, rig.amplitude_correction);
 }
 
 TEST_F(RigFile, RefusesACorrectionThatCannotBe) {
@@ -103,6 +106,12 @@ TEST_F(RigFile, RefusesACorrectionThatCannotBe) {
   RangeCorrection long_one;
   for (int i = 0; i < 65; ++i) long_one.push_back({1.0 + i, 0, 0});
   EXPECT_THAT(error_of(long_one), HasSubstr("range_correction: knots = 65"));
+  const auto light_error = [&](const AmplitudeCorrection& light) {
+    return ErrorAfter([&](RawRig& rig) { rig.amplitude_correction = light; });
+  };
+  EXPECT_THAT(light_error({0.01, 0, 0}), HasSubstr("amplitude_correction.middle = 0"));
+  EXPECT_THAT(light_error({0, 0, -1}), HasSubstr("amplitude_correction.middle = -1"));
+  EXPECT_THAT(light_error({NAN, 0, 1}), HasSubstr("amplitude_correction.offset_m"));
 }
 
 TEST_F(RigFile, MayHaveNoCalibrationYet) {

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "services/tools/calibrate/robust_solver.h"
 
@@ -32,9 +33,11 @@ std::vector<double> KnotRanges(const std::vector<RangeSample>& by_range) {
   return ranges;
 }
 
-// Weights of the knots at a range: at most two are not 0.
-Eigen::VectorXd WeightsAt(const std::vector<double>& knots, double range_m) {
-  Eigen::VectorXd weights = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(knots.size()));
+// Weights of the knots at a range, of which at most two are not 0, and of the light.
+Eigen::VectorXd WeightsOf(const std::vector<double>& knots, const RangeSample& sample) {
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(knots.size()) + 1);
+  weights[weights.size() - 1] = sample.brightness;
+  const double range_m = sample.range_m;
   const auto above = std::ranges::upper_bound(knots, range_m) - knots.begin();
   if (above == 0) {
     weights[0] = 1;
@@ -96,24 +99,24 @@ bool IsSignificantCorrection(double offset_m, double sigma_m) {
   return std::abs(offset_m) > std::max(kSureSigmas * sigma_m, kMinCorrectionM);
 }
 
-RangeCorrection FitRangeCurve(std::vector<RangeSample> samples) {
+RangeFit FitRangeCurve(std::vector<RangeSample> samples) {
   std::ranges::stable_sort(samples, {}, &RangeSample::range_m);
   const std::vector<double> knots = KnotRanges(samples);
   if (knots.empty()) return {};
   std::erase_if(samples, [&](const RangeSample& s) { return IsInGap(knots, s.range_m); });
   const auto count = static_cast<Eigen::Index>(knots.size());
-  Eigen::VectorXd curve = Eigen::VectorXd::Zero(count);
-  Sums sums(count);
+  Eigen::VectorXd fit = Eigen::VectorXd::Zero(count + 1);
+  Sums sums(count + 1);
   for (int round = 0; round < kCurveRounds; ++round) {
     std::vector<double> off;
     for (const RangeSample& sample : samples) {
-      const double left_m = WeightsAt(knots, sample.range_m).dot(curve) + sample.error_m;
+      const double left_m = WeightsOf(knots, sample).dot(fit) + sample.error_m;
       off.push_back(left_m / sample.sigma_m);
     }
     const double scatter = std::max(1.0, RobustSigma(off));
-    sums = Sums(count);
+    sums = Sums(count + 1);
     for (size_t i = 0; i < samples.size(); ++i) {
-      const Eigen::VectorXd weights = WeightsAt(knots, samples[i].range_m);
+      const Eigen::VectorXd weights = WeightsOf(knots, samples[i]);
       const Eigen::MatrixXd product = weights * weights.transpose();
       const double far = off[i] / (scatter * kCurveLossSigmas);
       const double sigma_m = scatter * samples[i].sigma_m;
@@ -125,18 +128,23 @@ RangeCorrection FitRangeCurve(std::vector<RangeSample> samples) {
       sums.slopes += kCurveSharing * slope * slope * product;
       sums.right -= weight * samples[i].error_m * weights;
     }
-    curve = sums.squares.ldlt().solve(sums.right);
+    fit = sums.squares.ldlt().solve(sums.right);
   }
   const Eigen::VectorXd variances = Variances(sums);
-  RangeCorrection correction;
+  RangeFit found{.curve = {}, .light_m = fit[count], .light_sigma_m = std::sqrt(variances[count])};
+  if (found.light_m != 0 && !IsSignificantCorrection(found.light_m, found.light_sigma_m)) {
+    for (RangeSample& sample : samples) sample.brightness = 0;
+    return FitRangeCurve(std::move(samples));
+  }
   bool is_significant = false;
   for (Eigen::Index k = 0; k < count; ++k) {
     const double shared_m = SharedAt(samples, knots[static_cast<size_t>(k)]);
     const double sigma_m = std::hypot(std::sqrt(variances[k]), shared_m);
-    is_significant |= IsSignificantCorrection(curve[k], sigma_m);
-    correction.push_back({knots[static_cast<size_t>(k)], curve[k], sigma_m});
+    is_significant |= IsSignificantCorrection(fit[k], sigma_m);
+    found.curve.push_back({knots[static_cast<size_t>(k)], fit[k], sigma_m});
   }
-  return is_significant ? correction : RangeCorrection{};
+  if (!is_significant) found.curve.clear();
+  return found;
 }
 
 RangeCorrection Chained(const RangeCorrection& first, const RangeCorrection& then) {

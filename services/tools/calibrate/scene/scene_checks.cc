@@ -180,6 +180,12 @@ std::vector<std::string> ReasonsAgainst(const SceneRefinement& refinement) {
         "the range image of the same moment, and does nothing move?",
         most->range_m, 1000 * most->offset_m));
   }
+  if (std::abs(refinement.light.offset_m) > kMaxExpected * kExpectedRangeErrorM) {
+    reasons.push_back(fmt::format(
+        "ToF ranges of bright and of dark surfaces changed by {:+.1f} mm against each other, which "
+        "is no error of a sensor any more",
+        1000 * refinement.light.offset_m));
+  }
   return reasons;
 }
 

@@ -36,14 +36,17 @@ double RangeOf(const TofPatch& patch, double offset_m) {
   return patch.distance_m / patch.per_range + offset_m;
 }
 
-// Matches with the curve added to what the ToF camera measured.
-std::vector<SceneMatch> Corrected(std::vector<SceneMatch> matches, const RangeCorrection& curve,
+// Matches with the corrections added to what the ToF camera measured.
+std::vector<SceneMatch> Corrected(std::vector<SceneMatch> matches, const SceneRefinement& found,
                                   double offset_m) {
-  if (curve.empty()) return matches;
+  const AmplitudeCorrection& light = found.light;
+  if (found.curve.empty() && light.empty()) return matches;
   for (SceneMatch& match : matches) {
     if (!match.tof) continue;
-    match.tof->distance_m +=
-        match.tof->per_range * CorrectionAt(curve, RangeOf(*match.tof, offset_m)).offset_m;
+    TofPatch& patch = *match.tof;
+    patch.distance_m +=
+        patch.per_range * (CorrectionAt(found.curve, RangeOf(patch, offset_m)).offset_m +
+                           light.offset_m * BrightnessOf(patch.amplitude, light.middle));
   }
   return matches;
 }
@@ -194,13 +197,13 @@ Result<void> SceneRefiner::Adjust(const SceneWishes& wishes, SceneRefinement& re
       result.wanted[number] = sees_tof;
     }
     result.wanted[kYaw] = sees_tof || wishes.yaw;
-    Result<AdjustedScene> adjusted =
-        AdjustScene(rig_, Corrected(matches_, result.curve, change[kRangeOffset]), edges,
-                    result.wanted, pass > 0);
+    Result<AdjustedScene> adjusted = AdjustScene(
+        rig_, Corrected(matches_, result, change[kRangeOffset]), edges, result.wanted, pass > 0);
     if (!adjusted) return tl::unexpected(adjusted.error());
-    stands_still = result.curve.empty() || TofStandsStill(change, *adjusted);
+    stands_still =
+        (result.curve.empty() && result.light.empty()) || TofStandsStill(change, *adjusted);
     result.adjusted = std::move(*adjusted);
-    result.curve = FindCurve(result.adjusted);
+    FindCorrections(result);
   }
   return {};
 }
@@ -220,7 +223,7 @@ Result<SceneRefinement> SceneRefiner::Refine(const SceneWishes& wishes) {
   }
   const RigNumbers& change = result.adjusted.change;
   const std::vector<MatchResidual> before = ResidualsOf(rig_, matches_, Depths(matches_), {});
-  matches_ = Corrected(std::move(matches_), result.curve, change[kRangeOffset]);
+  matches_ = Corrected(std::move(matches_), result, change[kRangeOffset]);
   const std::vector<MatchResidual> after =
       ResidualsOf(rig_, matches_, result.adjusted.inverse_depths, change);
   if (const Result<void> agree = CheckAgreement(matches_, after, views_.size()); !agree) {
@@ -228,6 +231,10 @@ Result<SceneRefinement> SceneRefiner::Refine(const SceneWishes& wishes) {
   }
   result.rig = Changed(rig_, change);
   result.rig.range_correction = Chained(rig_.range_correction, result.curve);
+  if (!result.light.empty()) {
+    result.rig.amplitude_correction = result.light;
+    result.rig.amplitude_correction.offset_m += rig_.amplitude_correction.offset_m;
+  }
   if (const Result<void> usable = CheckRawRig(result.rig); !usable) {
     return Fail("the refined calibration cannot be used: " + usable.error().text);
   }
@@ -244,7 +251,19 @@ Result<SceneRefinement> SceneRefiner::Refine(const SceneWishes& wishes) {
   return result;
 }
 
-RangeCorrection SceneRefiner::FindCurve(const AdjustedScene& adjusted) const {
+// The amplitude that is not corrected: that of the rig, or else the median.
+double SceneRefiner::MiddleAmplitude() const {
+  if (!rig_.amplitude_correction.empty()) return rig_.amplitude_correction.middle;
+  std::vector<double> amplitudes;
+  for (const SceneMatch& match : matches_) {
+    if (match.tof && match.tof->amplitude > 0) amplitudes.push_back(match.tof->amplitude);
+  }
+  return amplitudes.empty() ? 0 : Median(amplitudes);
+}
+
+void SceneRefiner::FindCorrections(SceneRefinement& result) const {
+  const AdjustedScene& adjusted = result.adjusted;
+  const double middle = MiddleAmplitude();
   const std::vector<MatchResidual> residuals =
       ResidualsOf(rig_, matches_, adjusted.inverse_depths, adjusted.change);
   std::vector<RangeSample> samples;
@@ -256,9 +275,13 @@ RangeCorrection SceneRefiner::FindCurve(const AdjustedScene& adjusted) const {
         {.range_m = RangeOf(patch, adjusted.change[kRangeOffset]),
          .error_m = *residuals[i].tof_m / patch.per_range,
          .sigma_m = std::hypot(patch.sigma_m, adjusted.match_sigma_px * m_per_px) / patch.per_range,
-         .shared_m = kSharedPx * m_per_px / patch.per_range});
+         .shared_m = kSharedPx * m_per_px / patch.per_range,
+         .brightness = BrightnessOf(patch.amplitude, middle)});
   }
-  return FitRangeCurve(std::move(samples));
+  const RangeFit fit = FitRangeCurve(std::move(samples));
+  result.curve = fit.curve;
+  result.light = {};
+  if (fit.light_m != 0) result.light = {fit.light_m, fit.light_sigma_m, middle};
 }
 
 SceneFit SceneRefiner::FitOf(const std::vector<MatchResidual>& residuals) const {

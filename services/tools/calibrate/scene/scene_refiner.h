@@ -48,6 +48,8 @@ struct SceneRefinement {
   /// What was added to rig.range_correction, of ranges after the change of their offset; empty: no
   /// curve is sure.
   RangeCorrection curve;
+  /// The same of rig.amplitude_correction.
+  AmplitudeCorrection light;
   SceneFit before;
   SceneFit after;
   std::vector<ShownMatch> shown;
@@ -123,10 +125,11 @@ class SceneRefiner {
   void ThinOut();
   void AttachPatches(const RawRig& rig);
   std::optional<EdgeShift> FindEdges(const RigNumbers& change);
-  // Fills in what changes: `wanted`, `adjusted`, `curve`, `before` and `tof_matches`.
+  // Fills in what changes: `wanted`, `adjusted`, `curve`, `light`, `before` and `tof_matches`.
   Result<void> Adjust(const SceneWishes& wishes, SceneRefinement& result);
-  // What is still wrong with the ranges once the change is applied.
-  RangeCorrection FindCurve(const AdjustedScene& adjusted) const;
+  double MiddleAmplitude() const;
+  // What is still wrong with the ranges once the change is applied: `curve` and `light`.
+  void FindCorrections(SceneRefinement& result) const;
   SceneFit FitOf(const std::vector<MatchResidual>& residuals) const;
 
   RawRig rig_;

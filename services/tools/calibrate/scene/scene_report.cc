@@ -65,11 +65,16 @@ Table NumberTable(const SceneRefinement& refinement) {
 
 Table CurveTable(const SceneRefinement& refinement) {
   Table rows;
-  if (refinement.curve.empty()) return rows;
+  const AmplitudeCorrection& light = refinement.light;
+  if (refinement.curve.empty() && light.empty()) return rows;
   rows.push_back({"ranges are corrected at", "by", "standard deviation"});
   for (const CorrectionKnot& knot : refinement.curve) {
     rows.push_back({fmt::format("{:.2f} m", knot.range_m), Number(1000 * knot.offset_m, 1, "mm"),
                     fmt::format("{:.1f} mm", 1000 * knot.sigma_m)});
+  }
+  if (!light.empty()) {
+    rows.push_back({"bright surfaces, less dark ones", Number(1000 * light.offset_m, 1, "mm"),
+                    fmt::format("{:.1f} mm", 1000 * light.sigma_m)});
   }
   return rows;
 }
@@ -143,7 +148,7 @@ std::string SceneReportHtml(const SceneRefinement& refinement, const SceneRefine
       "<h2>What changes</h2>\n<p>Standard deviations from the scatter and the number of "
       "the matches.</p>\n" +
       TableHtml(NumberTable(refinement));
-  if (!refinement.curve.empty()) html += TableHtml(CurveTable(refinement));
+  if (const Table rows = CurveTable(refinement); !rows.empty()) html += TableHtml(rows);
 
   const SceneRefiner::View& view = refiner.best_view();
   html +=

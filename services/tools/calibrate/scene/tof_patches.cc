@@ -57,8 +57,10 @@ TofPatches::TofPatches(const TofImage& tof, const TofProjector& projector) {
   for (const ProjectedPoint& point : projector.Project(tof, behind)) {
     const cv::Point2d left_px(point.seed.u, point.seed.v);
     if (!image.contains(left_px)) continue;
-    inside.push_back({left_px, double{tof.depth_m(point.tof_v, point.tof_u)} *
-                                   projector.ray(point.tof_u, point.tof_v)});
+    inside.push_back(
+        {left_px,
+         double{tof.depth_m(point.tof_v, point.tof_u)} * projector.ray(point.tof_u, point.tof_v),
+         tof.amplitude.empty() ? 0.0 : tof.amplitude(point.tof_v, point.tof_u)});
   }
   if (inside.empty()) return;
   spacing_px_ = std::max(1.0, std::sqrt(image.area() / static_cast<double>(inside.size())));
@@ -76,6 +78,7 @@ std::optional<TofPatch> TofPatches::At(const cv::Point2d& left_px) const {
   const cv::Point last = CellOf(left_px + cv::Point2d(reach_px, reach_px));
   std::vector<Eigen::Vector3d> around;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  double light = 0;
   for (int row = std::max(0, first.y); row <= std::min(cells_.height - 1, last.y); ++row) {
     for (int column = std::max(0, first.x); column <= std::min(cells_.width - 1, last.x);
          ++column) {
@@ -84,6 +87,7 @@ std::optional<TofPatch> TofPatches::At(const cv::Point2d& left_px) const {
         if (std::max(std::abs(off.x), std::abs(off.y)) > reach_px) continue;
         around.push_back(point.in_tof);
         mean += point.in_tof;
+        light += point.amplitude;
       }
     }
   }
@@ -95,7 +99,8 @@ std::optional<TofPatch> TofPatches::At(const cv::Point2d& left_px) const {
     scatter += (around[i] - mean) * (around[i] - mean).transpose();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
-  TofPatch patch{.normal = solver.eigenvectors().col(0)};
+  TofPatch patch{.normal = solver.eigenvectors().col(0),
+                 .amplitude = light / static_cast<double>(count)};
   const Eigen::Vector3d ray = mean.normalized();
   if (patch.normal.dot(ray) < 0) patch.normal = -patch.normal;
   patch.distance_m = patch.normal.dot(mean);

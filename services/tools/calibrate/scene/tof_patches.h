@@ -16,6 +16,7 @@ struct TofPatch {
   double distance_m = 0;
   double per_range = 1;  ///< change of distance_m for a range that is longer by 1 m: normal · ray
   double sigma_m = 0;    ///< of distance_m at the place, from the scatter of the points
+  double amplitude = 0;  ///< mean of the points, in the sensor's unit; 0: not known
 };
 
 /// Planes of a range image at places of the left image, away from depth edges.
@@ -34,6 +35,7 @@ class TofPatches {
   struct Point {
     cv::Point2d left_px;
     Eigen::Vector3d in_tof;
+    double amplitude = 0;
   };
 
   cv::Point CellOf(const cv::Point2d& left_px) const {

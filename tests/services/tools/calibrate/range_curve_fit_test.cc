@@ -29,7 +29,7 @@ std::vector<RangeSample> Samples(int count, double sigma_m,
 
 TEST(RangeCurveFit, FindsAWigglingToAMillimetre) {
   const auto error = [](double range_m) { return 0.01 * std::sin(2 * M_PI * range_m / 1.25); };
-  const RangeCorrection curve = FitRangeCurve(Samples(5000, 0.004, error));
+  const RangeCorrection curve = FitRangeCurve(Samples(5000, 0.004, error)).curve;
   ASSERT_GE(curve.size(), 10);
   double worst_m = 0;
   for (double range_m = 0.9; range_m < 2.9; range_m += 0.01) {
@@ -41,13 +41,31 @@ TEST(RangeCurveFit, FindsAWigglingToAMillimetre) {
 }
 
 TEST(RangeCurveFit, StaysAwayFromARightSensorAndFromTooFewMatches) {
-  EXPECT_TRUE(FitRangeCurve(Samples(5000, 0.004, [](double) { return 0; })).empty());
+  EXPECT_TRUE(FitRangeCurve(Samples(5000, 0.004, [](double) { return 0; })).curve.empty());
   const auto far_off = [](double) { return 0.02; };
-  EXPECT_TRUE(FitRangeCurve(Samples(39, 0.004, far_off)).empty());
-  EXPECT_TRUE(FitRangeCurve({}).empty());
-  const RangeCorrection one = FitRangeCurve(Samples(60, 0.004, far_off));
+  EXPECT_TRUE(FitRangeCurve(Samples(39, 0.004, far_off)).curve.empty());
+  EXPECT_TRUE(FitRangeCurve({}).curve.empty());
+  const RangeCorrection one = FitRangeCurve(Samples(60, 0.004, far_off)).curve;
   ASSERT_EQ(one.size(), 1);
   EXPECT_NEAR(one[0].offset_m, -0.02, 0.002);
+}
+
+// The farther, the darker; but at each range there are dark and bright surfaces.
+TEST(RangeCurveFit, TellsWhatDependsOnLightFromWhatDependsOnRange) {
+  for (const double light_m : {0.01, -0.02, 0.0}) {
+    std::vector<RangeSample> samples =
+        Samples(5000, 0.004, [](double range_m) { return 0.01 * (range_m - 1.5); });
+    for (size_t i = 0; i < samples.size(); ++i) {
+      const double albedo = 0.2 + 0.1 * static_cast<double>((i * 31) % 9);
+      samples[i].brightness =
+          BrightnessOf(albedo / (samples[i].range_m * samples[i].range_m), 0.15);
+      samples[i].error_m += light_m * samples[i].brightness;
+    }
+    const RangeFit fit = FitRangeCurve(samples);
+    EXPECT_NEAR(fit.light_m, -light_m, 3 * fit.light_sigma_m) << light_m;
+    EXPECT_LT(fit.light_sigma_m, light_m == 0 ? 0.021 : 0.0015) << light_m;
+    EXPECT_NEAR(CorrectionAt(fit.curve, 2.5).offset_m, -0.01, 0.001) << light_m;
+  }
 }
 
 // Ranges that few matches have, between two surfaces: they must not turn the line and so move its
@@ -66,7 +84,7 @@ TEST(RangeCurveFit, TakesNoStraightLineAcrossAGap) {
   add(19, 1.62, 0.05, -0.005, 0.003);
   add(30, 2.9, 0.1, 0, 0.02);
   add(40, 3.3, 0.2, 0, 0.02);
-  const RangeCorrection curve = FitRangeCurve(samples);
+  const RangeCorrection curve = FitRangeCurve(samples).curve;
   ASSERT_GE(curve.size(), 3);
   EXPECT_NEAR(curve.front().offset_m, -0.005, 0.002);
   const auto far = std::ranges::find_if(curve, [](const auto& knot) { return knot.range_m > 2; });
@@ -77,8 +95,8 @@ TEST(RangeCurveFit, TakesNoStraightLineAcrossAGap) {
 
 TEST(RangeCurveFit, IsUnsureWhereMatchesAreNoisy) {
   const auto error = [](double) { return 0.02; };
-  const RangeCorrection sure = FitRangeCurve(Samples(2000, 0.002, error));
-  const RangeCorrection unsure = FitRangeCurve(Samples(2000, 0.02, error));
+  const RangeCorrection sure = FitRangeCurve(Samples(2000, 0.002, error)).curve;
+  const RangeCorrection unsure = FitRangeCurve(Samples(2000, 0.02, error)).curve;
   ASSERT_FALSE(sure.empty());
   ASSERT_FALSE(unsure.empty());
   EXPECT_GT(unsure[5].sigma_m, 5 * sure[5].sigma_m);
@@ -92,7 +110,7 @@ TEST(RangeCurveFit, IsUnsureWhereMatchesDisagree) {
     const bool is_any = range_m > 1.8 && range_m < 2.2;
     if (is_any) samples[i].error_m -= 0.01 * static_cast<double>((i * 31) % 9);
   }
-  const RangeCorrection curve = FitRangeCurve(samples);
+  const RangeCorrection curve = FitRangeCurve(samples).curve;
   const CorrectionKnot sure = CorrectionAt(curve, 1.2);
   EXPECT_NEAR(sure.offset_m, -0.02, 0.002);
   EXPECT_LT(sure.sigma_m, 0.002);
@@ -102,7 +120,7 @@ TEST(RangeCurveFit, IsUnsureWhereMatchesDisagree) {
 TEST(RangeCurveFit, IsNoSurerThanWhatMatchesShare) {
   std::vector<RangeSample> samples = Samples(2000, 0.004, [](double) { return 0.05; });
   for (RangeSample& sample : samples) sample.shared_m = 0.003 * sample.range_m;
-  for (const CorrectionKnot& knot : FitRangeCurve(samples)) {
+  for (const CorrectionKnot& knot : FitRangeCurve(samples).curve) {
     EXPECT_GT(knot.sigma_m, 0.0029 * knot.range_m);
     EXPECT_LT(knot.sigma_m, 0.0035 * knot.range_m);
   }

@@ -186,6 +186,33 @@ TEST(SceneRefiner, LearnsHowFarRangesAreOffAtWhichRange) {
   EXPECT_LT(refined->after.tof_abs_m, refined->before.tof_abs_m / 2);
 }
 
+// Squares of the range image are dark or bright; ranges of bright ones are longer by 25 mm · 0.6.
+TEST(SceneRefiner, LearnsHowFarRangesOfDarkAndBrightSurfacesAreOff) {
+  const RawRig rig = TrueRig({640, 480});
+  const std::vector<RigImages> right = Frames(rig, 1, true, 3);
+  std::vector<RigImages> dyed = right;
+  const cv::Mat1d length = RangePerDepth(rig.tof);
+  for (RigImages& frame : dyed) {
+    TofImage& tof = frame.tof;
+    tof.depth_m = tof.depth_m.clone();
+    tof.amplitude = cv::Mat1f(tof.depth_m.size());
+    for (int v = 0; v < length.rows; ++v) {
+      for (int u = 0; u < length.cols; ++u) {
+        const bool is_bright = (u / 16 + v / 16) % 2 == 0;
+        tof.amplitude(v, u) = is_bright ? 400 : 25;
+        tof.depth_m(v, u) +=
+            static_cast<float>(0.025 * BrightnessOf(tof.amplitude(v, u), 100) / length(v, u));
+      }
+    }
+  }
+  const auto refined = RefineKnocked(rig, {}, dyed);
+  ASSERT_TRUE(refined) << refined.error().text;
+  EXPECT_TRUE(refined->is_good());
+  EXPECT_THAT(SceneSummaryText(*refined), HasSubstr("bright surfaces, less dark ones"));
+  EXPECT_LT(refined->rig.amplitude_correction.offset_m, 0);
+  EXPECT_LT(RangesOff(refined->rig, dyed, right), RangesOff(rig, dyed, right) / 2);
+}
+
 // Without the curve a roll of -0.44 ± 0.08 ° made these ranges fit better.
 TEST(SceneRefiner, TakesRangesThatAreOffForNoTurn) {
   const RawRig rig = TrueRig({640, 480});
@@ -205,6 +232,8 @@ TEST(SceneRefiner, BelievesNoCurveThatNoSensorHas) {
               ElementsAre(HasSubstr("ToF ranges at 3.60 m changed by -354.0 mm")));
   refinement.curve[1].offset_m = -0.07;
   EXPECT_TRUE(ReasonsAgainst(refinement).empty());
+  refinement.light = {.offset_m = 0.09, .sigma_m = 0.002, .middle = 1};
+  EXPECT_THAT(ReasonsAgainst(refinement), ElementsAre(HasSubstr("dark surfaces changed by +90.0")));
 }
 
 TEST(SceneRefiner, SaysThatAToFCameraIsNotSeen) {
