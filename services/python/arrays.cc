@@ -1,6 +1,9 @@
 #include "services/python/arrays.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -168,6 +171,16 @@ cv::Mat1f TakeFloats(const std::string& name, const py::handle& given,
   const std::optional<py::array> array = Plane(given, size);
   if (!array || !IsFloats(*array)) Refuse(name, Expected("float32", size, false), given);
   return Share(Contiguous<float>(*array), CV_32FC1);
+}
+
+DisparityImage TakeDisparities(const std::string& name, const py::handle& given,
+                               std::optional<cv::Size> size) {
+  const cv::Mat1f px = TakeFloats(name, given, size);
+  const auto beyond = std::ranges::find_if(
+      px, [](float d) { return std::isfinite(d) && std::abs(d) > DisparityImage::kMaxPx; });
+  if (beyond == px.end()) return FromPx(px);
+  throw py::value_error(fmt::format("{}: expected -{:.2f} to {:.2f} px, NaN: none; given {:g}",
+                                    name, DisparityImage::kMaxPx, DisparityImage::kMaxPx, *beyond));
 }
 
 cv::Mat1b TakeBytes(const std::string& name, const py::handle& given, std::optional<cv::Size> size,

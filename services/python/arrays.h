@@ -44,6 +44,11 @@ cv::Mat1f TakeDepth(const std::string& name, const py::handle& array, std::optio
 cv::Mat1f TakeFloats(const std::string& name, const py::handle& array,
                      std::optional<cv::Size> size);
 
+/// Disparities from float32 or float64, (H, W), px; NaN or infinite: none.
+/// @throws pybind11::value_error also for what no map holds, beyond DisparityImage::kMaxPx.
+DisparityImage TakeDisparities(const std::string& name, const py::handle& array,
+                               std::optional<cv::Size> size);
+
 /// A standard deviation in px to counts of 1/16 px; NaN: kMaxSigmaCounts.
 /// @throws pybind11::value_error for a negative one.
 uint8_t TakeSigma(const std::string& name, double sigma_px);

@@ -15,7 +15,7 @@ namespace sprout::python {
 namespace {
 
 PriorMap MakePrior(const py::object& disparity, const py::object& sigma) {
-  const DisparityImage map = FromPx(TakeFloats("disparity", disparity, {}));
+  const DisparityImage map = TakeDisparities("disparity", disparity, {});
   PriorMap prior(map.size());
   prior.disparity = map;
   const bool one = PyNumber_Check(sigma.ptr()) != 0 && !py::isinstance<py::array>(sigma);
@@ -154,7 +154,7 @@ amplitude: (H, W) float32 in the sensor's unit.)")
           py::init(&MakePrior), py::arg("disparity"), py::arg("sigma_px"),
           R"(__init__(self, disparity: numpy.ndarray, sigma_px: Union[float, numpy.ndarray]) -> None
 
-disparity: (H, W) float32, px, NaN: none; kept in 1/32 px. sigma_px: its standard deviation, one for
+disparity: (H, W) float32, up to 1023.97 px, NaN: none; kept in 1/32 px. sigma_px: its standard deviation, one for
 all or (H, W) float32; kept in 1/16 px, 16 px is as good as not knowing.)")
       .def_property_readonly(
           "disparity", [](const PriorMap& prior) { return ToArray(prior.disparity); },

@@ -50,7 +50,7 @@ PartValue TakeValue(Part part, const py::handle& given, cv::Size size) {
     case Part::kSigma:
       return cv::Mat(TakeSigmas(name, given, size));
     default:
-      return FromPx(TakeFloats(name, given, size));
+      return TakeDisparities(name, given, size);
   }
 }
 

@@ -16,6 +16,8 @@ def my_prior(frame: sprout.Frame, config: sprout.Config) -> object:
     if len(frame.seeds) == 0:
         return "no seeds"
     disparity = (frame.seeds["u"] - frame.seeds["u_right"]).astype(numpy.float64)
+    if abs(disparity.mean()) > 1023:
+        return "the seeds' mean is more than a map can hold"
     return sprout.PriorMap(numpy.full(frame.left.shape[:2], disparity.mean()), max(disparity.std(), 0.1))
 
 

@@ -81,6 +81,8 @@ WRONG: List[Wrong] = [
     ("confidence of floats", lambda p, f: sprout.evaluate(MAP, MAP, confidence=MAP), "confidence: expected uint8 .* given float32"),
     ("right truth of another size", lambda p, f: sprout.evaluate(MAP, MAP, right_truth=MAP.T), "right_truth: "),
     ("prior of integers", lambda p, f: sprout.PriorMap(zeros(4, 5), 1.0), "disparity: .* given uint8"),
+    ("disparities that no map holds", lambda p, f: sprout.PriorMap(MAP + 1024, 1.0), r"disparity: expected -1023.97 to 1023.97 px, NaN: none; given 1024"),
+    ("disparities in 1/16 px", lambda p, f: sprout.PriorMap(16 * (MAP - 70), 1.0), "disparity: .* given -1120"),
     ("sigma of another size", lambda p, f: sprout.PriorMap(MAP, MAP.T), r"sigma_px: .*\(5, 4\)"),
     ("a negative sigma", lambda p, f: sprout.PriorMap(MAP, -1), "sigma_px: expected 0 and more, or NaN: not known; given -1.0"),
     ("negative sigmas", lambda p, f: sprout.PriorMap(MAP, MAP - 1), "sigma_px: expected 0 and more"),
