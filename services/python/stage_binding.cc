@@ -115,6 +115,7 @@ class PyStage : public StageAdapter {
     StageResult outcome;
     if (py::isinstance<py::str>(given)) {
       outcome.degenerate = given.cast<std::string>();
+      if (outcome.degenerate.empty()) outcome.degenerate = "the stage's function gives no reason";
       for (const Part part : kAllParts) {
         if (outputs_.Has(part)) outcome.outputs.push_back({part, EmptyValue(part, size)});
       }

@@ -66,6 +66,16 @@ class StageTest(unittest.TestCase):
             self.assertRegex(text, "seeds: seed 3: position not finite")
             self.assertRegex(text, r"5 in, 3 out \(0 degenerate\), 2 failed")
 
+    def test_a_text_in_place_of_an_answer_is_a_frame_without_a_result_also_an_empty_one(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            script = pathlib.Path(folder) / "nothing.py"
+            script.write_text('import sprout\n@sprout.stage("grow")\ndef nothing(frame, config):\n    return ""\n'
+                              'sprout.run()\n')
+            code, text = python(script, "--replay", SAMPLE, "--record", pathlib.Path(folder) / "answers.lcm")
+        self.assertEqual(code, 1, text)
+        self.assertRegex(text, r"5 in, 5 out \(5 degenerate\)")
+        self.assertIn("the stage's function gives no reason", text)
+
     def test_has_the_flags_of_every_stage_and_its_own_words(self) -> None:
         code, text = python(PRIOR, "--help")
         self.assertEqual(code, 0)
