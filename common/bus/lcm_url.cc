@@ -20,6 +20,7 @@ constexpr char kUdpmScheme[] = "udpm://";
 constexpr char kTcpqScheme[] = "tcpq://";
 constexpr char kDefaultGroup[] = "239.255.76.67";
 constexpr uint16_t kDefaultPort = 7667;
+constexpr char kBufferKey[] = "recv_buf_size=";
 
 struct ParsedUrl {
   bool is_tcpq = false;
@@ -91,9 +92,8 @@ std::optional<std::string> NetworkError(const ParsedUrl& url) {
   return OptionsError(url.options);
 }
 
-// 0 = none.
-long long AskedBuffer(const std::string& url) {
-  const std::string key = "recv_buf_size=";
+// What a URL asks for behind a key, "ttl="; 0 = nothing.
+long long Asked(const std::string& url, const std::string& key) {
   const size_t at = url.find(key);
   return at == std::string::npos ? 0 : std::atoll(url.c_str() + at + key.size());
 }
@@ -125,12 +125,13 @@ UdpmAddress RequireUdpmRoute(const std::string& url) {
   if (const auto error = LcmUrlError(url)) throw BusError(*error);
   const ParsedUrl parsed = *Parse(url);
   const UdpmAddress address{.group = GroupOf(parsed),
-                            .receive_buffer = static_cast<int>(AskedBuffer(url))};
+                            .receive_buffer = static_cast<int>(Asked(url, kBufferKey))};
   if (!HasRoute(address.group)) {
     const std::string group = parsed.host.empty() ? kDefaultGroup : parsed.host;
-    throw BusError("no multicast route to " + group +
-                   "; add one: ip link set lo multicast on && ip route add " + group +
-                   "/32 dev lo");
+    const std::string add = "ip route add " + group + "/32 dev ";
+    throw BusError("no multicast route to " + group + "; add one: " +
+                   (Asked(url, "ttl=") > 0 ? add + "DEVICE, the one that leads to the other hosts"
+                                           : "ip link set lo multicast on && " + add + "lo"));
   }
   return address;
 }
@@ -150,7 +151,7 @@ LcmPtr OpenLcm(const std::string& url) {
 }
 
 std::optional<std::string> ReceiveBufferWarning(const std::string& url) {
-  const long long asked = AskedBuffer(url);
+  const long long asked = Asked(url, kBufferKey);
   if (!IsUdpm(url) || asked == 0) return std::nullopt;
   return ReceiveBufferShortage(asked);
 }

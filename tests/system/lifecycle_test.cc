@@ -57,6 +57,13 @@ TEST(LifecycleSystem, WithoutAMulticastRouteAServiceSaysHowToAddOne) {
   }
 }
 
+TEST(LifecycleSystem, WithoutARouteToOtherHostsItIsNotLedOverTheLoopbackDevice) {
+  Process process({"unshare", "--net", "sh", "-c", "ip link set lo up && exec \"$0\" \"$@\"",
+                   ProgramPath("sprout-prior"), "--lcm-url", "udpm://239.255.76.67:7667?ttl=1"});
+  EXPECT_EQ(process.Wait(std::chrono::seconds(15)), 1) << process.Output();
+  EXPECT_THAT(process.Output(), HasSubstr("add one: ip route add 239.255.76.67/32 dev DEVICE, "));
+}
+
 TEST(LifecycleSystem, CaptureSaysWhichStageIsMissing) {
   Graph graph;
   graph.Start("refine");
