@@ -190,6 +190,10 @@ void ViewCollector::Add(const RigImages& images, std::optional<int64_t> utime) {
   ++counts_.images;
   const std::array<cv::Size, kCameraCount> sizes = {images.left.size(), images.right.size(),
                                                     images.tof.depth_m.size()};
+  if (sizes[kLeft] != sizes[kRight]) {
+    ++counts_.two_sizes;
+    return;
+  }
   if (!FitsTheViews(sizes)) {
     ++counts_.other_size;
     return;
@@ -225,7 +229,6 @@ void ViewCollector::Add(const RigImages& images, std::optional<int64_t> utime) {
 }
 
 bool ViewCollector::FitsTheViews(const std::array<cv::Size, kCameraCount>& sizes) const {
-  if (sizes[kLeft] != sizes[kRight]) return false;
   if (views_.empty()) return true;
   const bool has_both_tof = !sizes[kTof].empty() && !sizes_[kTof].empty();
   return sizes[kLeft] == sizes_[kLeft] && (!has_both_tof || sizes[kTof] == sizes_[kTof]);

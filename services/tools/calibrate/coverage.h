@@ -78,6 +78,7 @@ struct ViewCounts {
   int foreign = 0;     ///< of these: with markers of another board
   int moving = 0;      ///< the board moved
   int similar = 0;     ///< the board was there in an earlier view
+  int two_sizes = 0;   ///< left and right differ in size
   int other_size = 0;  ///< not of the first view's size
   int too_many = 0;    ///< beyond kMaxViews
 };

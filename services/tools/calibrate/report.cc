@@ -155,7 +155,8 @@ std::string CountsText(const ViewCounts& counts, size_t views) {
   add(counts.similar, "like another one");
   add(counts.moving, "with a moving board");
   add(counts.no_board, "without the board");
-  add(counts.other_size, "of another size");
+  add(counts.two_sizes, "whose left and right differ in size");
+  add(counts.other_size, "of another size than the first view");
   add(counts.too_many, "beyond what is needed");
   return text;
 }

@@ -56,7 +56,8 @@ TEST_F(ViewCollectorTest, LeavesOutImagesOfAnotherSizeAndWithoutBoard) {
   empty.right.setTo(80);
   collector_.Add(empty, std::nullopt);
 
-  EXPECT_EQ(collector_.counts().other_size, 2);
+  EXPECT_EQ(collector_.counts().two_sizes, 1);
+  EXPECT_EQ(collector_.counts().other_size, 1);
   EXPECT_EQ(collector_.counts().no_board, 1);
   EXPECT_EQ(collector_.counts().foreign, 0);
   EXPECT_EQ(collector_.views().size(), 1);
