@@ -103,7 +103,13 @@ Result<void> CheckRawRig(const RawRig& rig) {
   checks.Require(rig.left.width >= 2 && rig.left.height >= 2, "left.width × height",
                  SizeText(rig.left.size()), "2x2 or more");
   CheckPose(checks, "left_from_right", rig.left_from_right);
-  checks.Positive("left_from_right.translation_m x", rig.left_from_right.translation_m.x());
+  const Eigen::Vector3d& place_m = rig.left_from_right.translation_m;
+  // Cameras above each other would be rectified by their columns.
+  checks.Require(
+      std::abs(place_m.y()) <= std::abs(place_m.x()), "left_from_right.translation_m y",
+      place_m.y(),
+      "less than x; of cameras that stand above each other turn the images by 90 degrees");
+  checks.Positive("left_from_right.translation_m x", place_m.x());
   if (rig.tof.width > 0 || rig.tof.height > 0) {
     CheckCamera(checks, "tof", rig.tof);
     CheckPose(checks, "left_from_tof", rig.left_from_tof);

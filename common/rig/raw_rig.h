@@ -40,8 +40,8 @@ Pose TurnedBy(const Pose& pose, const Eigen::Vector3d& turn);
 
 /// Whether a calibration can be used: possible numbers (CheckLens()), invertible distortion, images
 /// of one size, at least 2×2 px, rotations of norm 1, the right camera to the right of the left
-/// one; and whether the rectified images show enough of what both cameras see. The error names the
-/// first wrong field, by its name in rig.proto. O(1).
+/// one, not above or below it; and whether the rectified images show enough of what both cameras
+/// see. The error names the first wrong field, by its name in rig.proto. O(1).
 Result<void> CheckRawRig(const RawRig& rig);
 
 /// Its checks of one camera and of one pose; `name` stands before the fields in the error.

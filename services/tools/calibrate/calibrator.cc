@@ -1,6 +1,7 @@
 #include "services/tools/calibrate/calibrator.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "services/tools/calibrate/range_points.h"
@@ -78,7 +79,8 @@ Result<Calibration> Calibrate(const Board& board, const std::array<cv::Size, kCa
   }
   Calibration calibration{.rig = ToRawRig(refined->model), .quality = {}};
   if (const Result<void> usable = CheckRawRig(calibration.rig); !usable) {
-    const bool is_swapped = calibration.rig.left_from_right.translation_m.x() < 0;
+    const Eigen::Vector3d& place_m = calibration.rig.left_from_right.translation_m;
+    const bool is_swapped = place_m.x() < -std::abs(place_m.y());
     return Fail("the calibration cannot be used: " + usable.error().text +
                 (is_swapped ? "; are the left and the right camera swapped?" : ""));
   }

@@ -208,6 +208,11 @@ TEST_F(RigFile, NamesTheFieldThatCannotBeUsed) {
               HasSubstr("right.width × height = 320x480"));
   EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.left_from_right.translation_m *= -1; }),
               HasSubstr("left_from_right.translation_m x = -0.1"));
+  EXPECT_THAT(ErrorAfter([](RawRig& rig) {
+                rig.left_from_right.translation_m = {0.001, 0.12, 0};
+              }),
+              AllOf(HasSubstr("left_from_right.translation_m y = 0.12"),
+                    HasSubstr("turn the images by 90 degrees")));
   EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.left_from_tof.rotation.w() = 2; }),
               HasSubstr("left_from_tof.rotation norm = 2"));
   EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.tof.distortion[3] = NAN; }),

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <iostream>
 #include <numbers>
 
@@ -87,7 +88,8 @@ int RunImport(const ImportOptions& options) {
   rig.left_from_right = foreign.left_from_right;
   ScaleToMetres(options, rig.left_from_right);
   if (const Result<void> usable = CheckRawRig(rig); !usable) {
-    const bool is_swapped = rig.left_from_right.translation_m.x() < 0;
+    const Eigen::Vector3d& place_m = rig.left_from_right.translation_m;
+    const bool is_swapped = place_m.x() < -std::abs(place_m.y());
     throw ConfigError("the calibration cannot be used: " + usable.error().text +
                       (is_swapped ? "; are the left and the right camera swapped?" : ""));
   }
