@@ -99,6 +99,10 @@ std::unique_ptr<Listener> Listen(const py::object& parts, const std::string& pre
   if (!IsChannelPrefix(prefix)) {
     throw py::value_error("prefix '" + prefix + "': allowed are " + AllowedChannelPrefix());
   }
+  if (timeout_s && !(*timeout_s >= 0)) {
+    throw py::value_error("timeout_s: expected 0 and more, or None: for ever; given " +
+                          std::string(py::repr(py::float_(*timeout_s))));
+  }
   const PartSet set =
       parts.is_none() ? PartSet{Part::kLeft, Part::kDisparity, Part::kRig} : TakeParts(parts);
   if (set == PartSet{} || set == PartSet{Part::kRig}) {

@@ -83,6 +83,7 @@ WRONG: List[Wrong] = [
     ("prior of integers", lambda p, f: sprout.PriorMap(zeros(4, 5), 1.0), "disparity: .* given uint8"),
     ("disparities that no map holds", lambda p, f: sprout.PriorMap(MAP + 1024, 1.0), r"disparity: expected -1023.97 to 1023.97 px, NaN: none; given 1024"),
     ("disparities in 1/16 px", lambda p, f: sprout.PriorMap(16 * (MAP - 70), 1.0), "disparity: .* given -1120"),
+    ("a timeout that never comes", lambda p, f: sprout.listen(timeout_s=float("nan")), "timeout_s: expected 0 and more, or None: for ever; given nan"),
     ("sigma of another size", lambda p, f: sprout.PriorMap(MAP, MAP.T), r"sigma_px: .*\(5, 4\)"),
     ("a negative sigma", lambda p, f: sprout.PriorMap(MAP, -1), "sigma_px: expected 0 and more, or NaN: not known; given -1.0"),
     ("negative sigmas", lambda p, f: sprout.PriorMap(MAP, MAP - 1), "sigma_px: expected 0 and more"),
