@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <system_error>
 
 #include "common/frames/log_frames.h"
 #include "services/python/bindings.h"
@@ -48,7 +49,8 @@ Frame FetchFrame(EventFetcher& fetcher, const IndexedFrame& places, const PartSe
 class PyLog {
  public:
   PyLog(fs::path path, std::string prefix) : path_(std::move(path)), prefix_(std::move(prefix)) {
-    if (!fs::exists(path_)) {
+    std::error_code unreadable;  // is said by who opens it
+    if (!fs::exists(path_, unreadable) && !unreadable) {
       PyErr_SetString(PyExc_FileNotFoundError, (path_.string() + ": no such file").c_str());
       throw py::error_already_set();
     }

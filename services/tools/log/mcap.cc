@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "common/app/version.h"
@@ -315,7 +316,9 @@ int RunMcapExport(const PicturesOptions& options, const std::filesystem::path& o
 }
 
 bool IsMcap(const std::filesystem::path& file) {
-  if (std::filesystem::is_directory(file) || file.string().ends_with(".mcap.zstd")) return true;
+  std::error_code unreadable;  // is said by who opens it
+  if (std::filesystem::is_directory(file, unreadable) || file.string().ends_with(".mcap.zstd"))
+    return true;
   std::ifstream stream(file, std::ios::binary);
   std::array<char, kMcapMagic.size()> begin{};
   stream.read(begin.data(), begin.size());

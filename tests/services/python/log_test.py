@@ -166,6 +166,8 @@ class LogTest(unittest.TestCase):
     def test_says_what_is_no_log(self) -> None:
         with self.assertRaisesRegex(FileNotFoundError, "nowhere.lcm"):
             sprout.Log("/nowhere.lcm")
+        with self.assertRaisesRegex(OSError, r"cannot be opened \(File name too long\)"):
+            sprout.Log("/" + 300 * "x")
         with self.assertRaisesRegex(OSError, "README.md"):
             sprout.Log(SAMPLE.parent / "README.md")
         log = sprout.Log(SAMPLE)

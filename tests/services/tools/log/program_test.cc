@@ -51,6 +51,9 @@ TEST(LogProgram, RefusesBadFlagsAndFiles) {
   ExpectRefused({"inform"}, "did you mean info?");
   ExpectRefused({"info"}, "FILE");
   ExpectRefused({"info", folder.File("none")}, "No such file");
+  // As in a folder that is not for this user, it cannot even be asked what it is.
+  ExpectRefused({"info", folder.File(std::string(300, 'x').c_str())},
+                "cannot be opened (File name too long)");
   ExpectRefused({"info", folder.File("text")}, "not an LCM log");
   ExpectRefused({"repair", folder.File("text"), folder.File("out")}, "not an LCM log");
   EXPECT_EQ(folder.CountEntries(), 1);
