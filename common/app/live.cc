@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <list>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -166,7 +167,8 @@ void RunLive(const ServiceContext& context, StageAdapter& adapter, std::span<Sta
   }
   FramesUnderWay under_way;
   Preparation preparation(std::max<size_t>(1, steps.size()));
-  Receiver receiver(
+  std::optional<Receiver> receiver;
+  receiver.emplace(
       context.lcm_url, context.prefix, channels,
       [&](std::string_view channel, std::span<const uint8_t> bytes) {
         if (channel == kStatusChannel) return OnStatus(bytes, monitor, duplicates);
@@ -193,7 +195,7 @@ void RunLive(const ServiceContext& context, StageAdapter& adapter, std::span<Sta
     watchdog.Idle();
     if (!under_way.WaitForRoom(Watchdog::kIdlePeriod, context.stop)) continue;
     auto arrival = mailbox.TakeWithin(preparation.Period(), context.stop);
-    if (arrival) TakeNewest(*arrival, mailbox, receiver, monitor, context.stop);
+    if (arrival) TakeNewest(*arrival, mailbox, *receiver, monitor, context.stop);
     watchdog.Idle();
     if (!arrival) {
       preparation.Continue();
@@ -210,6 +212,9 @@ void RunLive(const ServiceContext& context, StageAdapter& adapter, std::span<Sta
     if (answer) Publish(*arrival, *answer, publisher, monitor);
     watchdog.FrameDone();
   }
+  receiver.reset();
+  if (mailbox.Clear()) monitor.FrameSkipped();
+  for ([[maybe_unused]] const Frame& frame : assembler.Finish()) monitor.FrameIn(/*skipped=*/true);
   LogLine(LogLevel::kInfo, CountsText(monitor.Snapshot()));
 }
 

@@ -44,6 +44,12 @@ class Mailbox {
     return std::exchange(value_, std::nullopt);
   }
 
+  /// @returns whether there was an untaken value, which is dropped.
+  bool Clear() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(value_, std::nullopt).has_value();
+  }
+
  private:
   std::mutex mutex_;
   std::condition_variable_any filled_;

@@ -30,6 +30,11 @@ class SeedlessAdapter : public StageAdapter {
   }
 };
 
+class PairAdapter : public SeedlessAdapter {
+ public:
+  PartSet Inputs() const override { return {Part::kLeft, Part::kRight}; }
+};
+
 // A stage on a server of its own, with a connection each for its answers, its frames and its
 // status, in this order.
 class LiveTest : public ::testing::Test {
@@ -50,16 +55,21 @@ class LiveTest : public ::testing::Test {
   void ConnectForFramesAndSendOne() {
     ASSERT_TRUE(server_.Accept());
     EXPECT_EQ(server_.Receive().channel, "SPROUT_LEFT");  // the subscription
-    const auto bytes = EncodePart({.utime = 3, .seq = 3, .rig_id = "rig"}, Part::kLeft,
-                                  cv::Mat(2, 3, CV_8UC1, cv::Scalar(0)), DisparityEncoding());
-    server_.Send("SPROUT_LEFT", {bytes.begin(), bytes.end()});
+    SendImage(3, Part::kLeft);
   }
 
-  // The first status after the frame came in and something became of it.
+  void SendImage(int64_t seq, Part part) {
+    const auto bytes = EncodePart({.utime = seq, .seq = seq, .rig_id = "rig"}, part,
+                                  cv::Mat(2, 3, CV_8UC1, cv::Scalar(0)), DisparityEncoding());
+    server_.Send(std::string(ChannelOf(part)), {bytes.begin(), bytes.end()});
+  }
+
+  // The first status after the frame came in and something became of it, or the last one.
   StageStatus ConnectForStatus() {
     StageStatus status;
     if (!server_.Accept()) return status;
-    while (status.frames_out + status.frames_failed == 0) {
+    while (status.frames_out + status.frames_failed == 0 &&
+           status.state != StageStatus::State::kStopped) {
       const auto [type, channel, bytes] = server_.Receive();
       if (type == 0) break;
       if (channel != "SPROUT_STATUS") continue;
@@ -104,6 +114,26 @@ TEST_F(LiveTest, CountsAnAnswerThatCouldNotBePublishedAsFailed) {
   EXPECT_EQ(status.frames_out, 0);
   EXPECT_EQ(status.frames_failed, 1);
   EXPECT_THAT(status.last_error, HasSubstr("SPROUT_SEEDS: could not be published"));
+}
+
+TEST_F(LiveTest, CountsWhatWaitsWhenItStops) {
+  PairAdapter adapter;
+  stage_ = std::jthread([&] { RunLive(context_, adapter); });
+  ASSERT_TRUE(server_.Accept());
+  ASSERT_TRUE(server_.Accept());
+  EXPECT_EQ(server_.Receive().channel, "SPROUT_LEFT");
+  SendImage(1, Part::kLeft);
+  SendImage(1, Part::kRight);
+  SendImage(2, Part::kLeft);
+  server_.Send("SPROUT_RIGHT", "the last message");
+  while (log_.Lines().empty()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  stop_.request_stop();
+  const StageStatus status = ConnectForStatus();
+  stage_.join();
+  EXPECT_EQ(status.frames_in, 1);
+  EXPECT_EQ(status.frames_skipped, 1);
+  EXPECT_EQ(status.frames_incomplete, 1);
+  EXPECT_THAT(log_.Lines(), Contains(HasSubstr("1 frames in, 0 out, 1 skipped, 1 incomplete")));
 }
 
 TEST_F(LiveTest, SaysWhatItIsAndLogsItsCountsAtTheEnd) {
