@@ -7,7 +7,7 @@ namespace sprout {
 namespace {
 
 // Of an image that differs from the last one, only every so many rows are looked at.
-constexpr int kSparseRows = 8;
+constexpr int kSparseRows = 16;
 
 size_t HashOf(const cv::Mat& image, int step) {
   size_t hash = 0;

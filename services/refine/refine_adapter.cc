@@ -137,20 +137,6 @@ bool RefineAdapter::CheckInput(const Frame& frame) {
   return true;
 }
 
-// Whoever captured the frames: of stills and simulations neither image changes.
-std::string RefineAdapter::HangingCamera(const Frame& frame) {
-  constexpr int kImages = 10;
-  const int left = left_count_.Add(frame.left);
-  const int right = right_count_.Add(frame.right);
-  const int same = std::max(left, right);
-  if (std::min(left, right) > 1 || same % kImages != 0) return "";
-  const bool is_left = left > right;
-  return fmt::format(
-      "{} images in a row are the same {} one, to the last bit, while the {} one changes: that "
-      "camera hangs, or sees nothing",
-      same, is_left ? "left" : "right", is_left ? "right" : "left");
-}
-
 // Whether more than a share of the range points have negative disparities.
 bool RefineAdapter::HasPointsBelowZero(const Frame& frame, double share) {
   if (frame.tof->depth_m.empty() || !CheckTofSize(*frame.rig, *frame.tof)) return false;
@@ -262,7 +248,7 @@ StageResult RefineAdapter::ProcessNative(const Frame& frame) {
   // The status has the newest line alone, so one of a frame that lacks seeds has the cure, too.
   if (CheckInput(frame) || !outcome.degenerate.empty()) AddLine(outcome, wrong_input_);
   if (check_inputs_every_ > 0) {
-    AddLine(outcome, HangingCamera(frame));
+    AddLine(outcome, hang_watch_.Add(frame));
     AddLine(outcome, range_watch_.Add(*frame.tof, std::get<SeedSet>(outcome.outputs[0].value),
                                       std::get<SeedSet>(outcome.outputs[1].value)));
   }

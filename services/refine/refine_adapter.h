@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "common/config/stage_parts.h"
-#include "common/core/repeat_count.h"
 #include "common/core/stage_adapter.h"
+#include "common/inputs/hang_watch.h"
 #include "common/inputs/range_watch.h"
 #include "services/refine/refiner.h"
 
@@ -34,7 +34,7 @@ class RefineAdapter : public StageAdapter {
   /// answers; without a usable point, and if stereo finds nothing either, both are empty and
   /// the result says why. It also says, of the first frame of a calibration, its first with a range
   /// image and one of check_inputs_every, what is wrong with the input (again in later frames that
-  /// have something to say), when range points stop to come, and when one camera alone hangs. A
+  /// have something to say), when range points stop to come, and when a sensor hangs. A
   /// range image that was enlarged is taken at its sensor's resolution, see FindNativeRanges().
   StageResult Process(const Frame& frame) override;
 
@@ -66,7 +66,6 @@ class RefineAdapter : public StageAdapter {
   Result<SeedSet> Refine(const Frame& frame);
   TofOffsetStatus OffsetOf(const Frame& frame);
   bool CheckInput(const Frame& frame);
-  std::string HangingCamera(const Frame& frame);
 
   PartSet inputs_;
   Refiner refiner_;
@@ -81,7 +80,7 @@ class RefineAdapter : public StageAdapter {
   Turn tof_turn_;
   std::string wrong_input_;  // by the newest check
   inputs::RangeWatch range_watch_;
-  RepeatCount left_count_, right_count_;
+  inputs::HangWatch hang_watch_;
   cv::Mat1b left_grey_;  // memory
   cv::Mat1b right_grey_;
   // The projectors of the newest calibration: for the left image, and for a wider frame around it.

@@ -35,21 +35,16 @@ TEST(RefineAdapter, MakesNoRaysForAFrameWithoutToFImage) {
   EXPECT_FALSE(std::get<SeedSet>(outcome.outputs.at(0).value).seeds.empty());
 }
 
-TEST(RefineAdapter, SaysThatOneCameraHangs) {
+TEST(RefineAdapter, SaysThatACameraHangs) {
   RefineAdapter adapter{RefineConfig()};
   Frame frame = FrameOf(TexturedScene());
-  const auto says_so = [&](int64_t seq, bool left_changes, bool right_changes) {
+  std::string said;
+  for (int64_t seq = 0; seq < 10; ++seq) {
     frame.id.seq = seq;
-    const int row = frame.left.rows - 1;
-    if (left_changes) frame.left.row(row) = cv::Scalar(static_cast<double>(seq));
-    if (right_changes) frame.right.row(row) = cv::Scalar(static_cast<double>(seq));
-    const std::string said = adapter.Process(frame).degenerate;
-    return said.find("10 images in a row are the same left one") != std::string::npos;
-  };
-  for (int64_t seq = 0; seq < 12; ++seq) EXPECT_FALSE(says_so(seq, false, false)) << "a still";
-  for (int64_t seq = 12; seq < 24; ++seq) EXPECT_FALSE(says_so(seq, true, true));
-  for (int64_t seq = 24; seq < 32; ++seq) EXPECT_FALSE(says_so(seq, false, true));
-  EXPECT_TRUE(says_so(32, false, true));
+    frame.right.row(frame.right.rows - 1) = cv::Scalar(static_cast<double>(seq));
+    said = adapter.Process(frame).degenerate;
+  }
+  EXPECT_THAT(said, HasSubstr("10 left, 10 range images in a row are the same"));
 }
 
 TEST(RefineAdapter, SaysOfTheFirstAndOfEachNthFrameWhatIsWrongWithItsInput) {
