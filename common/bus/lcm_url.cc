@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
+#include <set>
 #include <string_view>
 
 #include "common/core/number_text.h"
@@ -62,17 +63,21 @@ bool IsNumber(std::string_view text, int64_t low, int64_t high) {
 
 // What is wrong with "ttl=0&recv_buf_size=1000"; LCM takes ',' for '&', too.
 std::optional<std::string> OptionsError(std::string_view options) {
+  std::set<std::string_view> names;
   while (!options.empty()) {
     const size_t end = std::min(options.find_first_of("&,"), options.size());
     const std::string_view option = options.substr(0, end);
     options.remove_prefix(std::min(end + 1, options.size()));
     const std::string_view value = option.substr(std::min(option.find('=') + 1, option.size()));
-    if (option.starts_with("ttl=") ? IsNumber(value, 0, 255)
-                                   : option.starts_with("recv_buf_size=") &&
-                                         IsNumber(value, 1, std::numeric_limits<int>::max())) {
+    const bool is_new = names.insert(option.substr(0, option.find('='))).second;
+    if (is_new &&
+        (option.starts_with("ttl=") ? IsNumber(value, 0, 255)
+                                    : option.starts_with("recv_buf_size=") &&
+                                          IsNumber(value, 1, std::numeric_limits<int>::max()))) {
       continue;
     }
-    return "'" + std::string(option) + "'; allowed: ttl=0 to ttl=255, recv_buf_size=BYTES";
+    return "'" + std::string(option) +
+           "'; allowed: ttl=0 to ttl=255, recv_buf_size=BYTES, each once";
   }
   return std::nullopt;
 }

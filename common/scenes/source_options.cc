@@ -37,8 +37,14 @@ std::vector<SourceOption> SourceOptions(std::string_view text) {
   std::vector<SourceOption> options;
   for (const std::string_view option : SplitAt('&', text)) {
     const size_t equals = std::min(option.find('='), option.size());
+    const std::string_view name = option.substr(0, equals);
+    if (const auto before = std::ranges::find(options, name, &SourceOption::name);
+        before != options.end()) {
+      throw ConfigError("capture.source: " + std::string(before->text) + " and " +
+                        std::string(option) + ": allowed is each option once");
+    }
     options.push_back({.text = option,
-                       .name = option.substr(0, equals),
+                       .name = name,
                        .value = option.substr(std::min(equals + 1, option.size()))});
   }
   return options;

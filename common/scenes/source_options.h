@@ -17,6 +17,7 @@ struct SourceOption {
 };
 
 /// The options of "a=1&b=2", as views of the text.
+/// @throws ConfigError when one is given twice.
 std::vector<SourceOption> SourceOptions(std::string_view text);
 
 /// A source, split into its name and its options.
@@ -26,6 +27,7 @@ struct SplitSourceText {
 };
 
 /// Splits at the last '?', since a file's name may contain one, too.
+/// @throws ConfigError as SourceOptions().
 SplitSourceText SplitSource(std::string_view source);
 
 /// The simulated multi-zone sensor, as CaptureConfig.tof names it once its size is in

@@ -54,6 +54,7 @@ TEST(LcmUrl, IsRefusedInOneLineThatSaysWhatIsAllowed) {
       {"udpm://239.255.76.67:7667?ttl=", "'ttl='"},
       {"udpm://239.255.76.67:7667?ttl", "'ttl'"},
       {"udpm://239.255.76.67:7667?ttl=0&tll=1", "'tll=1'; allowed: "},
+      {"udpm://239.255.76.67:7667?ttl=0&ttl=1", "'ttl=1'; allowed: "},
       {"udpm://239.255.76.67:7667?recv_buf_size=0", "'recv_buf_size=0'"},
       {"tcpq://localhost:99999", "port '99999'"},
       {"tcpq://localhost:7700?ttl=0", "'ttl=0'; allowed: tcpq://HOST:PORT, without options"},

@@ -158,6 +158,8 @@ TEST(OpenDataset, NamesTheTofCamerasThatExist) {
     EXPECT_THAT(OpenError(WithSource("synthetic:64x48?" + option)),
                 AllOf(HasSubstr("allowed: "), HasSubstr("sr4000")));
   }
+  EXPECT_THAT(OpenError(WithSource("synthetic:64x48?tof=grid&tof=none")),
+              HasSubstr("tof=grid and tof=none: allowed is each option once"));
   EXPECT_THAT(OpenError(WithSource("middlebury:/no/folder?zoom=2")),
               AllOf(HasSubstr("no such option zoom=2"), HasSubstr("?tof=sr4000")));
 }

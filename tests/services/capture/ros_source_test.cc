@@ -360,6 +360,7 @@ TEST(RosSource, SaysWhatIsMissing) {
               HasSubstr("cannot be used: 'pose=1,2'"));
   EXPECT_THAT(Complaint("ros2:left=a&right=b&points=c&pose=1,2,3,1,1,0,0"),
               HasSubstr("cannot be used: 'pose="));
+  EXPECT_THAT(Complaint("ros2:left=a&right=b&left=c"), HasSubstr("left=a and left=c: allowed is"));
   EXPECT_THAT(Complaint("ros2:left=a&right=b&pose=1,2,3"), HasSubstr("neither points nor depth"));
 }
 
