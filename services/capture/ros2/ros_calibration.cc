@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/core/printable.h"
 #include "common/scenes/tof_grid.h"
 
 namespace sprout::capture {
@@ -116,6 +117,24 @@ Result<bool> RosCalibration::Take(const RosBytes& message) {
       break;
   }
   return false;
+}
+
+std::string RosCalibration::OtherFrame(const RosBytes& message) const {
+  if (message.role != RosRole::kDepth || !depth_ || depth_->frame.empty()) return "";
+  const auto cdr = BehindStamp(message);
+  const size_t size = sizeof(uint32_t) + depth_->frame.size() + 1;  // length, text and a zero
+  if (cdr.size() >= size && std::ranges::equal(cdr.first(size), std::span(depth_->cdr).first(size)))
+    return "";
+  const auto frame_of = [&]<typename Ros>() {
+    const Result<RosMessage<Ros>> image = ReadCdr<Ros>(message.cdr);
+    return image ? std::string(RosText((*image)->header.frame_id)) : "";
+  };
+  const std::string frame = message.is_compressed ? frame_of.operator()<RosCompressedImage>()
+                                                  : frame_of.operator()<RosImage>();
+  if (frame.empty() || frame == depth_->frame) return "";
+  return "range images of " + settings_.depth + " are of frame '" + Printable(frame) +
+         "', and their CameraInfo " + settings_.depth_info + " of '" + Printable(depth_->frame) +
+         "', whose place is taken";
 }
 
 // Pose of a frame in the root frame, the one that has no parent.

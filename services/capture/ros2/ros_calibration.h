@@ -45,6 +45,10 @@ class RosCalibration {
   /// The rig. An error says what does not fit together. @pre nothing is missing.
   Result<RosRig> Rig() const;
 
+  /// What to say of a range image that names another frame than its CameraInfo, which places it;
+  /// empty: nothing. O(1) where the frames are equal.
+  std::string OtherFrame(const RosBytes& message) const;
+
   /// Stamp of the newest CameraInfo that changed something, µs.
   int64_t changed_utime() const { return changed_utime_; }
 
@@ -93,6 +97,8 @@ class RosRigWatch {
   /// Why frames have no calibration now: a CameraInfo that cannot be used, or a new left one whose
   /// right one has not come. Empty: they have one.
   std::string trouble() const;
+
+  std::string OtherFrame(const RosBytes& message) const { return calibration_.OtherFrame(message); }
 
   /// The rig that the newest messages describe.
   const RosRig& rig() const { return rig_; }

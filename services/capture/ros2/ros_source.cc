@@ -132,6 +132,9 @@ class RosFrames : public RawSource {
       const Result<bool> is_new = watch_->Take(message);
       if (!is_new) opener_.reports().Refuse(topic, is_new.error().text);
       if (is_new && *is_new) UseRig(watch_->rig());
+      std::string other_frame = watch_->OtherFrame(message);
+      if (!other_frame.empty() && other_frame != other_frame_) opener_.Tell(other_frame);
+      if (!other_frame.empty()) other_frame_ = std::move(other_frame);
     }
     if (const Result<void> taken = triplets_.Take(message); !taken) {
       opener_.reports().Refuse(topic, taken.error().text);
@@ -189,6 +192,7 @@ class RosFrames : public RawSource {
   std::optional<scenes::NamedRig> new_rig_ = {};  // for the next frame
   ImageOfPoints image_;
   mutable RosTriplets triplets_;  // forgets what it has told
+  std::string other_frame_;       // what was told of it
   bool is_at_end_ = false;
   bool gave_any_ = false;
 };
@@ -237,7 +241,9 @@ std::optional<FoundRig> FindCalibration(const RosOpener& opener, RosInput& input
   for (RosBytes message; calibration.Missing();) {
     if (!input.Next(message, opener.stop(), deadline)) break;
     if (const Result<bool> taken = calibration.Take(message); !taken) {
-      refused = TopicOf(opener.settings(), message.role) + ": " + taken.error().text;
+      const std::string topic = TopicOf(opener.settings(), message.role);
+      refused = topic + ": " + taken.error().text;
+      if (input.is_live()) opener.reports().Refuse(topic, taken.error().text);
     }
   }
   if (opener.stop().stop_requested()) return std::nullopt;

@@ -59,7 +59,8 @@ class RosRecording {
 
   void AddImage(const std::string& topic, int64_t utime, const cv::Mat& image,
                 uint64_t time_ns = 0) {
-    Add(topic, ToRosImage({utime, "frame"}, image), time_ns);
+    const bool is_of_tof = topic.starts_with("/tof/");
+    Add(topic, ToRosImage({utime, is_of_tof ? RosFrames().tof : "frame"}, image), time_ns);
   }
 
   /// What becomes of the bytes of further messages.

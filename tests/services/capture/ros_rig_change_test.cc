@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "common/ros/ros_node.h"
 #include "services/capture/ros2/ros_source.h"
 #include "tests/services/capture/ros_recording.h"
 
@@ -120,6 +121,47 @@ TEST(RosSource, RefusesARangeImageOfAnotherSizeAndGoesOnWithoutIt) {
 }
 
 // Another lidar takes the place of the first one, then one that no transform places.
+TEST(RosSource, TellsOnceThatARangeImageIsOfAnotherFrameThanItsCameraInfo) {
+  RosRecording file;
+  const Rig rig = examples::Rig();
+  file.AddCalibration(rig);
+  file.Add("/tof/camera_info", ToRosTofInfo({kStart, RosFrames().tof}, rig.tof));
+  const cv::Mat1f depth_m(rig.tof.height, rig.tof.width, 2.F);
+  for (int i = 0; i < 3; ++i) {
+    const int64_t utime = kStart + 100'000 * i;
+    file.AddImage("/left/image", utime, Grey(i));
+    file.AddImage("/right/image", utime, Grey(i));
+    file.Add("/tof/image", ToRosImage({utime, "tof_link"}, depth_m));
+  }
+  Told told;
+  const auto source = OpenRosSource(file.Source("&depth=/tof/image"), told.Options());
+  EXPECT_EQ(All(*source).size(), 3U);
+  EXPECT_THAT(told.lines, ElementsAre("range images of /tof/image are of frame 'tof_link', and "
+                                      "their CameraInfo /tof/camera_info of "
+                                      "'sprout_tof_optical_frame', whose place is taken"));
+}
+
+// What waits for the calibration says at once why there is none.
+TEST(RosSource, TellsALiveCameraInfoThatCannotBeUsedBeforeTheWaitIsOver) {
+  RosNode camera({.domain = 77, .name = "camera"});
+  const RosNode::Handle writer = camera.AddWriter("/left/camera_info", RosTypeOf<RosCameraInfo>(),
+                                                  {.reliable = true, .latched = true, .depth = 1});
+  camera.Announce();
+  RosMessage<RosCameraInfo> info = ToRosLeftInfo({kStart, "left"}, examples::Rig().pair);
+  info->width = 0;
+  ASSERT_TRUE(camera.Write(writer, info));
+  Told told;
+  std::stop_source stop;
+  RosSourceOptions options = told.Options();
+  options.stop = stop.get_token();
+  options.reports.refused = [&](const std::string& topic, const std::string& why) {
+    told.refused.push_back(topic + ": " + why);
+    stop.request_stop();
+  };
+  EXPECT_EQ(OpenRosSource("ros2:left=/left/image&right=/right/image&domain=77", options), nullptr);
+  EXPECT_THAT(told.refused, testing::ElementsAre(testing::HasSubstr("/left/camera_info: ")));
+}
+
 TEST(RosSource, PointsStandWhereTheirOwnFrameDoes) {
   RosRecording file;
   const Rig rig = examples::Rig();
