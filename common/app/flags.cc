@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <optional>
 #include <set>
+#include <span>
 #include <sstream>
 #include <string_view>
 #include <type_traits>
@@ -16,6 +17,7 @@
 #include "common/app/help_text.h"
 #include "common/config/config_error.h"
 #include "common/core/input_files.h"
+#include "common/core/number_text.h"
 
 namespace sprout {
 namespace {
@@ -81,6 +83,31 @@ void RequireNoEmptyText(const CLI::App& app) {
     throw ConfigError(name + " '': allowed is a text that is not empty");
   }
   for (const CLI::App* command : app.get_subcommands()) RequireNoEmptyText(*command);
+}
+
+// CLI11 takes the next argument, which may be a flag, for a list of which commas leave nothing.
+void RequireNoEmptyElement(const CLI::App& app, std::span<const char* const> arguments) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_delimiter() != ',') continue;
+    const std::string name = option->get_name();
+    for (size_t i = 0; i < arguments.size(); ++i) {
+      std::string_view list = arguments[i];
+      if (list == name && i + 1 < arguments.size()) {
+        list = arguments[i + 1];
+      } else if (list.starts_with(name + "=")) {
+        list.remove_prefix(name.size() + 1);
+      } else {
+        continue;
+      }
+      if (list.empty() || std::ranges::count(SplitAt(',', list), "") == 0) continue;
+      throw ConfigError(name + " '" + std::string(list) +
+                        "': allowed are names with one comma between them");
+    }
+  }
+  for (const CLI::App* command : app.get_subcommands({})) {
+    if (std::ranges::count(arguments, std::string_view(command->get_name())) == 0) continue;
+    RequireNoEmptyElement(*command, arguments);
+  }
 }
 
 bool IsFlag(const std::string& argument) { return argument.size() > 1 && argument[0] == '-'; }
@@ -308,6 +335,7 @@ int Flags::RunCommand() const {
 }
 
 bool Flags::Parse(int argc, const char* const* argv) {
+  RequireNoEmptyElement(*app_, {argv, static_cast<size_t>(argc)});
   try {
     app_->parse(argc, argv);
   } catch (const CLI::Success& e) {  // --help, --version

@@ -37,7 +37,7 @@ class Flag {
   /// For a flag with a list: each occurrence of the flag has one value, and all are kept.
   Flag& Repeatable();
 
-  /// For a flag with a list: a value is split at its commas.
+  /// For a flag with a list: a value is split at its commas; nothing between two is refused.
   Flag& SplitAtCommas();
 
   /// Can be given only with the other flag, or only without it.

@@ -57,6 +57,22 @@ TEST(Flags, SetWhatIsGivenAndLeaveTheRest) {
   EXPECT_FALSE(is_long);
 }
 
+TEST(Flags, RefuseAListWithAnEmptyElement) {
+  Flags flags("probe", "Probes flags");
+  std::vector<std::string> names, more;
+  bool is_loud = false;
+  flags.Add("--names", names, "").SplitAtCommas();
+  flags.Add("--loud", is_loud, "");
+  flags.AddCommand("go", "", [] { return 0; }).Add("--more", more, "").SplitAtCommas();
+  for (const std::string list : {",", "x,", ",x", "x,,y"}) {
+    const std::string error = "'" + list + "': allowed are names with one comma between them";
+    EXPECT_EQ(ErrorOf(flags, {"--names", list.c_str(), "--loud"}), "--names " + error);
+    EXPECT_EQ(ErrorOf(flags, {("--names=" + list).c_str(), "--loud"}), "--names " + error);
+    EXPECT_EQ(ErrorOf(flags, {"go", "--more", list.c_str()}), "--more " + error);
+  }
+  EXPECT_EQ(ErrorOf(flags, {"--names", "x", "--loud"}), "no error");
+}
+
 TEST(Flags, RefuseWhatIsNotAllowedAndSayWhatIs) {
   Flags flags("probe", "Probes flags");
   double share = 0;
