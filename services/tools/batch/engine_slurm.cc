@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <sstream>
 #include <string>
@@ -117,6 +118,23 @@ std::string StatesOfJobs(const std::string& jobs) {
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, state);
   }
   return text;
+}
+
+std::string TaskOutput(const BatchFolder& folder) {
+  std::error_code none;
+  fs::path newest;
+  for (const fs::directory_entry& entry : fs::directory_iterator(SlurmFolder(folder), none)) {
+    const bool is_of_task = entry.path().filename().string().starts_with("compute_");
+    if (!is_of_task || entry.file_size() == 0) continue;
+    if (newest.empty() || fs::last_write_time(newest) < entry.last_write_time()) {
+      newest = entry.path();
+    }
+  }
+  if (newest.empty()) return "";
+  std::ifstream lines(newest);
+  std::string last;
+  for (std::string line; std::getline(lines, line);) last = line;
+  return newest.string() + ": " + Printable(last);
 }
 
 std::string SubmitSlurm(const std::string& program, const BatchFolder& folder,

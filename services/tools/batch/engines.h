@@ -44,6 +44,10 @@ std::string ActiveJobs(const BatchFolder& folder);
 /// Slurm counts tasks of an array that wait for the same as one.
 std::string StatesOfJobs(const std::string& jobs);
 
+/// What Slurm wrote last of a task that said something, as of one whose program is not there: the
+/// file's path and its last line; empty: no task said anything. One that works says nothing.
+std::string TaskOutput(const BatchFolder& folder);
+
 }  // namespace sprout::batch
 
 #endif  // SPROUT_SERVICES_TOOLS_BATCH_ENGINES_H_

@@ -69,6 +69,12 @@ class FolderLock {
   int descriptor_;
 };
 
+// Logs may be missing whose tasks ended before they could note a failure.
+void SayTaskOutput(const BatchFolder& folder, std::ostream& out) {
+  const std::string said = TaskOutput(folder);
+  if (!said.empty()) out << "Slurm's tasks ended with " << said << "\n";
+}
+
 // Writes table and report.
 int Finish(const BatchFolder& folder, const Manifest& manifest, const BatchState& state) {
   const FrameTable frames(folder, manifest, state);
@@ -79,6 +85,7 @@ int Finish(const BatchFolder& folder, const Manifest& manifest, const BatchState
   if (state.missing > 0) {
     std::cerr << fmt::format("sprout-batch: {} of {} logs are missing; why: {}\n", state.missing,
                              manifest.log_size(), folder.failures().string());
+    SayTaskOutput(folder, std::cerr);
   } else if (frames.size() == 0) {
     std::cerr << "sprout-batch: no frame was answered in these logs; see sprout-log info, "
                  "--channel-prefix and --stages\n";
@@ -157,6 +164,7 @@ int RunStatus(const Options& options) {
   SayLeftOut(manifest);
   const std::string jobs = ActiveJobs(folder);
   if (!jobs.empty()) std::cout << "Slurm's jobs " << jobs << ": " << StatesOfJobs(jobs) << "\n";
+  if (state.missing > 0) SayTaskOutput(folder, std::cout);
   return state.missing == 0 && manifest.left_out().empty() ? 0 : 1;
 }
 

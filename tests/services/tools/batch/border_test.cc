@@ -106,6 +106,21 @@ TEST(Slurm, AnArrayWhoseReportIsRefusedIsKnown) {
   EXPECT_EQ(states, "1 PENDING (Resources), 2 RUNNING");
 }
 
+// The program is not there, say: then no failure of a log is noted either.
+TEST(Slurm, TheTaskThatSaidSomethingLastIsShown) {
+  const TemporaryDirectory folder;
+  const BatchFolder out(folder / "out");
+  EXPECT_EQ(TaskOutput(out), "");
+  const fs::path slurm = out.root() / "slurm";
+  fs::create_directories(slurm);
+  WriteFile(slurm / "compute_7_0.txt", "");
+  WriteFile(slurm / "finish_8.txt", "3 frames\n");
+  EXPECT_EQ(TaskOutput(out), "");
+  WriteFile(slurm / "compute_7_1.txt", "sh: 2: exec: /gone/sprout-batch: not found\n");
+  EXPECT_EQ(TaskOutput(out),
+            (slurm / "compute_7_1.txt").string() + ": sh: 2: exec: /gone/sprout-batch: not found");
+}
+
 TEST(FrameCommands, StandForThemselvesInAShellWhateverIsInTheNames) {
   const TemporaryDirectory folder;
   fs::create_directory(folder / "bin");
