@@ -120,11 +120,25 @@ class McapExporter {
   }
 
   void Take(const LogEvent& event) {
-    if (!event.channel.starts_with(options_.prefix)) return;
+    if (!event.channel.starts_with(options_.prefix)) {
+      if (TypeOfChannel(event.channel)) other_channel_ = event.channel;
+      return;
+    }
     const std::string_view channel = event.channel.substr(options_.prefix.size());
     if (channel == kStatusChannel) return TakeStatus(event);
     if (channel == kProcessChannel) return processes_.Add(event.data);
-    if (const std::optional<Part> part = PartOf(channel)) TakePart(event, *part);
+    if (const std::optional<Part> part = PartOf(channel)) {
+      TakePart(event, *part);
+    } else if (channel != kRigChangeChannel && TypeOfChannel(event.channel)) {
+      other_channel_ = event.channel;
+    }
+  }
+
+  // What to look at when nothing was exported; begins with "; ", or is empty.
+  std::string Hint() const {
+    return other_channel_.empty()
+               ? ""
+               : "; there are channels as " + Printable(other_channel_) + ", see --channel-prefix";
   }
 
   // @returns one line about what could not be exported; empty: nothing.
@@ -197,6 +211,7 @@ class McapExporter {
   int64_t refused_ = 0;
   std::string first_refused_;
   int64_t without_rig_ = 0;
+  std::string other_channel_;  // of another prefix
 };
 
 struct TopicSummary {
@@ -306,8 +321,9 @@ int RunMcapExport(const PicturesOptions& options, const std::filesystem::path& o
   if (!complaint.empty())
     std::cerr << "sprout-log: " << options.file.string() << ": " << complaint << "\n";
   McapWriter& writer = exporter.Finish();
-  if (writer.messages() == 0)
-    throw LogError(options.file, "no message of these frames that ROS knows");
+  if (writer.messages() == 0) {
+    throw LogError(options.file, "no message of these frames that ROS knows" + exporter.Hint());
+  }
   const uint64_t messages = writer.messages();
   if (const Result<void> done = writer.Commit(); !done)
     throw ConfigError("export: " + done.error().text);
@@ -317,8 +333,11 @@ int RunMcapExport(const PicturesOptions& options, const std::filesystem::path& o
 
 bool IsMcap(const std::filesystem::path& file) {
   std::error_code unreadable;  // is said by who opens it
-  if (std::filesystem::is_directory(file, unreadable) || file.string().ends_with(".mcap.zstd"))
+  if (std::filesystem::is_directory(file, unreadable) || file.string().ends_with(".mcap.zstd")) {
     return true;
+  }
+  // A FIFO would wait for its writer.
+  if (!std::filesystem::is_regular_file(file, unreadable)) return false;
   std::ifstream stream(file, std::ios::binary);
   std::array<char, kMcapMagic.size()> begin{};
   stream.read(begin.data(), begin.size());

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <lcm/lcm.h>
+#include <sys/stat.h>
 
 #include "common/logfile/event_fetcher.h"
 #include "tests/common/logfile/sample_log.h"
@@ -100,6 +101,8 @@ TEST(LogReader, RefusesWhatIsNoLog) {
   EXPECT_EQ(ErrorOfOpening(folder / "text"), (folder / "text").string() + ": not an LCM log");
   EXPECT_THAT(ErrorOfOpening(folder / ""), HasSubstr("not a file"));
   EXPECT_THAT(ErrorOfOpening("/dev/zero"), HasSubstr("not a file"));
+  ASSERT_EQ(mkfifo((folder / "fifo").c_str(), 0600), 0);
+  EXPECT_THAT(ErrorOfOpening(folder / "fifo"), HasSubstr("not a file"));
   EXPECT_THAT(ErrorOfOpening(folder / "none"), HasSubstr("No such file"));
 }
 

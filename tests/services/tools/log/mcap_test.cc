@@ -57,6 +57,13 @@ TEST(McapExport, KeepsTheFramesThatAreAskedFor) {
   EXPECT_EQ(counts.at("/tf_static"), 1);
 }
 
+TEST(McapExport, NamesTheChannelsOfAnotherPrefix) {
+  const LogFolder folder;
+  const std::string log = folder.Write("log", GraphEvents(1));
+  ExpectRefused({"export", "--mcap", folder.File("out"), log, "--channel-prefix", "B_"},
+                "there are channels as SPROUT_");
+}
+
 TEST(McapExport, GivesWhatIsWholeOfADamagedLog) {
   const LogFolder folder;
   Bytes bytes;
