@@ -1,9 +1,13 @@
+#include <utility>
+
 #include "common/core/checks.h"
 #include "common/core/printable.h"
 #include "common/messages/convert.h"
 
 namespace sprout {
 namespace {
+
+constexpr int64_t kMaxCount = int64_t{1} << 53;
 
 TimeSummary MakeTimes(double p50, double p95, double p99, double max) {
   return {.p50_ms = p50, .p95_ms = p95, .p99_ms = p99, .max_ms = max};
@@ -77,6 +81,18 @@ Result<StageStatus> FromMessage(const stage_status_t& message) {
       .Length("version", message.version, kMaxTextLength)
       .Length("config_digest", message.config_digest, kMaxTextLength)
       .Length("last_error", message.last_error, kMaxTextLength);
+  for (const auto& [field, count] : {std::pair{"frames_in", message.frames_in},
+                                     {"frames_out", message.frames_out},
+                                     {"frames_skipped", message.frames_skipped},
+                                     {"frames_incomplete", message.frames_incomplete},
+                                     {"frames_degenerate", message.frames_degenerate},
+                                     {"frames_failed", message.frames_failed},
+                                     {"frames_resent", message.frames_resent},
+                                     {"bad_messages", message.bad_messages},
+                                     {"sequence_gaps", message.sequence_gaps}}) {
+    // Sums of them, which are shown, do not overflow.
+    checks.Require(count >= 0 && count <= kMaxCount, field, count, "0 to 2^53");
+  }
   if (!checks.ok()) return checks.error();
   return StageStatus{
       .newest_frame = *newest_frame,

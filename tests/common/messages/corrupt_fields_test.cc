@@ -322,6 +322,17 @@ TEST(StatusBorder, RefusesACoverageThatIsNoShare) {
   }
 }
 
+TEST(StatusBorder, RefusesCountsWhoseSumWouldOverflow) {
+  stage_status_t message = ToMessage(examples::Status());
+  message.sequence_gaps = int64_t{1} << 53;
+  EXPECT_TRUE(DecodeStatus(examples::Encode(message)));
+  for (const int64_t count : {(int64_t{1} << 53) + 1, int64_t{-1}}) {
+    message.sequence_gaps = count;
+    EXPECT_EQ(DecodeStatus(examples::Encode(message)).error().text,
+              "sequence_gaps = " + std::to_string(count) + ": allowed is 0 to 2^53");
+  }
+}
+
 TEST(StatusBorder, RefusesRatesAndTimesThatAreNoNumbers) {
   const std::pair<const char*, double stage_status_t::*> table[] = {
       {"rate_hz", &stage_status_t::rate_hz},
