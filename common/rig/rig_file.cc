@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "common/config/config.h"
+#include "common/core/number_text.h"
 #include "common/core/output_file.h"
 #include "common/core/read_text.h"
 #include "common/rig/rectification.h"
@@ -109,6 +110,34 @@ void Set(const Pose& pose, RigPose& message) {
   for (double value : pose.translation_m) message.add_translation_m(value);
 }
 
+// Where a comment begins in a line of the text format.
+size_t CommentIn(std::string_view line) {
+  char quote = 0;
+  for (size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (quote != 0) {
+      if (c == '\\') ++i;
+      if (c == quote) quote = 0;
+    } else if (c == '\'' || c == '"') {
+      quote = c;
+    } else if (c == '#') {
+      return i;
+    }
+  }
+  return std::string_view::npos;
+}
+
+// The lines with comments, as comments.
+std::string CommentsOf(const std::string& text) {
+  std::string comments;
+  for (const std::string_view line : SplitAt('\n', text)) {
+    if (CommentIn(line) == std::string_view::npos) continue;
+    const std::string_view trimmed = Trimmed(line);
+    comments += (trimmed.front() == '#' ? "" : "# ") + std::string(trimmed) + "\n";
+  }
+  return comments;
+}
+
 }  // namespace
 
 RigDescription LoadRigFile(const fs::path& path) {
@@ -125,6 +154,7 @@ RigDescription LoadRigFile(const fs::path& path) {
 
 Result<void> SaveRigFile(const fs::path& path, const RigDescription& rig) {
   OutputFile file(path, OutputFile::OverInput::kAllowed);
+  if (const Result<std::string> before = ReadText(path)) file.Write(CommentsOf(*before));
   file.Write(ConfigText(rig));
   return file.Commit();
 }

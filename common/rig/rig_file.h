@@ -17,6 +17,8 @@ namespace sprout {
 RigDescription LoadRigFile(const std::filesystem::path& path);
 
 /// Writes a rig file; see OutputFile. It may be the one that was read: a rig is put right in place.
+/// Comments of a file that is replaced stand at the begin of the new one, those behind a value with
+/// the old value.
 Result<void> SaveRigFile(const std::filesystem::path& path, const RigDescription& rig);
 
 /// The calibration of a rig file; nothing when it has none yet.

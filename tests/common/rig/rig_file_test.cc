@@ -11,6 +11,7 @@
 #include <string>
 
 #include "common/config/config_error.h"
+#include "common/core/read_text.h"
 #include "common/rig/rectifier.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/common/rig/tilted_rig.h"
@@ -118,6 +119,21 @@ TEST_F(RigFile, MayHaveNoCalibrationYet) {
   Write("left { serial: '1' }");
   EXPECT_FALSE(CalibrationOf(LoadRigFile(path_)));
   EXPECT_THAT(Error(), AllOf(HasSubstr(path_), HasSubstr("no calibration")));
+}
+
+TEST_F(RigFile, KeepsTheCommentsOfTheFileThatItReplaces) {
+  std::ofstream(path_)
+      << "# calibrated on the bench\n  # by A.\nleft { serial: '#\\'7' } # the new one\n";
+  const RigDescription rig = LoadRigFile(path_);
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(SaveRigFile(path_, rig));
+    EXPECT_EQ(LoadRigFile(path_).left().serial(), "#'7");
+    const std::string text = *ReadText(path_);
+    EXPECT_TRUE(
+        text.starts_with("# calibrated on the bench\n# by A.\n"
+                         "# left { serial: '#\\'7' } # the new one\nleft {"))
+        << text;
+  }
 }
 
 TEST_F(RigFile, MayBeginWithAByteOrderMark) {
