@@ -275,14 +275,14 @@ Result<RosPose> FromRosTransform(const RosTransform& ros) {
                  .parent_from_child = {rotation, place_m}};
 }
 
-Result<RosCamera> FromRosInfo(const RosCameraInfo& ros) {
+Result<RosCamera> FromRosInfo(const RosCameraInfo& ros, bool is_rectified) {
   Checks checks;
   checks.Side("width", SideOf(ros.width))
       .Side("height", SideOf(ros.height))
       .Pixels("width × height", SideOf(ros.width), SideOf(ros.height))
       .Require(AllFinite(ros.r), "r", "not finite", "finite numbers")
       .Require(AllFinite(ros.p), "p", "not finite", "finite numbers")
-      .Require(ros.p[0] > 0 && ros.p[5] > 0, "p[0]", ros.p[0],
+      .Require(!is_rectified || (ros.p[0] > 0 && ros.p[5] > 0), "p[0]", ros.p[0],
                "a focal length > 0 (0: the camera is not calibrated)")
       .Require(ros.binning_x <= 1 && ros.binning_y <= 1, "binning_x", ros.binning_x, "0 and 1")
       .Require(ros.roi.x_offset == 0 && ros.roi.y_offset == 0, "roi.x_offset", ros.roi.x_offset,

@@ -66,8 +66,10 @@ struct RosCamera {
   }
 };
 
-/// A camera that has been calibrated (P[0] > 0), neither binned nor cropped, of any lens model.
-Result<RosCamera> FromRosInfo(const RosCameraInfo& ros);
+/// A camera that has been calibrated, neither binned nor cropped, of any lens model.
+/// @param is_rectified  its images are, so P[0] > 0 is required; else `lens` says whether K is
+/// usable.
+Result<RosCamera> FromRosInfo(const RosCameraInfo& ros, bool is_rectified = true);
 
 /// The pair that two rectified cameras make: one size, one f, one cy, b = (Tx − Tx') / f > 0, so
 /// that both may be relative to a third camera. Pixels are square: f_y of P may differ from f_x by

@@ -52,7 +52,8 @@ Result<bool> RosCalibration::TakeInfo(const RosBytes& message, std::optional<Nam
   if (to && std::ranges::equal(cdr, to->cdr)) return false;
   const Result<RosMessage<RosCameraInfo>> info = ReadCdr<RosCameraInfo>(message.cdr);
   if (!info) return tl::unexpected(info.error());
-  Result<RosCamera> camera = FromRosInfo(**info);
+  const bool is_rectified = message.role != RosRole::kDepthInfo || settings_.DepthIsRectified();
+  Result<RosCamera> camera = FromRosInfo(**info, is_rectified);
   if (!camera) return tl::unexpected(camera.error());
   const Result<int64_t> utime = FromRosStamp((*info)->header);
   if (!utime) return tl::unexpected(utime.error());

@@ -231,6 +231,25 @@ TEST(RosForeign, ARectifiedRangeImageIsThatOfP) {
               HasSubstr("/tof/camera_info: d = 5: allowed is 4 coefficients of equidistant"));
 }
 
+// Drivers of one camera leave P empty.
+TEST(RosForeign, ARawRangeImageNeedsNoP) {
+  const Rig rig = examples::Rig();
+  RosRecording file;
+  AddPairs(file, 1);
+  for (const char* topic : {"/tof/image_raw", "/tof/image_rect_raw"}) {
+    file.AddImage(topic, kStart, cv::Mat1f(rig.tof.height, rig.tof.width, 2.F));
+  }
+  RosMessage<RosCameraInfo> info = ToRosTofInfo({kStart, RosFrames().tof}, rig.tof);
+  std::fill(std::begin(info->p), std::end(info->p), 0.0);
+  file.Add("/tof/camera_info", info);
+  file.AddCalibration(rig);
+  const Opened opened = OpenAll(file.Source("&depth=/tof/image_raw"));
+  EXPECT_EQ(opened.source->rig().tof.fx, rig.tof.fx);
+  ASSERT_EQ(opened.frames.size(), 1U);
+  EXPECT_FALSE(opened.frames[0].tof.depth_m.empty());
+  EXPECT_THAT(Complaint(file.Source("&depth=/tof/image_rect_raw")), HasSubstr("p[0] = 0"));
+}
+
 TEST(RosForeign, ImagesAndRangesMayBeCompressed) {
   const Rig rig = examples::Rig();
   RosRecording file;
