@@ -174,9 +174,17 @@ RosNode::Handle RosNode::AddReader(const std::string& topic, const RosType& type
   const Handle reader = Checked(
       dds_create_reader(participant_, AddTopic(topic, type), MakeQos(qos, type).get(), nullptr),
       "reader of " + topic);
-  Checked(dds_set_status_mask(reader, DDS_DATA_AVAILABLE_STATUS), "status");
-  Checked(dds_waitset_attach(waitset_, reader, reader), "waitset");
-  readers_.push_back(reader);
+  Reader& counts = readers_[reader];
+  counts.depth = qos.depth;
+  const std::unique_ptr<dds_listener_t, decltype(&dds_delete_listener)> listener(
+      dds_create_listener(&counts.came), dds_delete_listener);
+  dds_lset_data_available(listener.get(), [](dds_entity_t, void* came) {
+    ++*static_cast<std::atomic<int64_t>*>(came);  // once a message
+  });
+  Checked(dds_set_listener(reader, listener.get()), "listener");
+  // The listener takes the status, so the waitset looks at what there is.
+  counts.has_data = Checked(dds_create_readcondition(reader, DDS_ANY_STATE), "condition");
+  Checked(dds_waitset_attach(waitset_, counts.has_data, counts.has_data), "waitset");
   return reader;
 }
 
@@ -189,11 +197,11 @@ RosNode::Handle RosNode::AddWriter(const std::string& topic, const RosType& type
 }
 
 void RosNode::RemoveReader(Handle reader) {
-  std::erase(readers_, reader);
-  dds_waitset_detach(waitset_, reader);
+  dds_waitset_detach(waitset_, readers_.at(reader).has_data);
   const dds_entity_t topic = dds_get_topic(reader);
-  dds_delete(reader);
+  dds_delete(reader);  // with its condition, and after its listener's last call
   dds_delete(topic);
+  readers_.erase(reader);
 }
 
 void RosNode::Announce() {
@@ -202,7 +210,9 @@ void RosNode::Announce() {
   RosNodeEntities& node = ResizeRos(info->node_entities_info_seq, 1)[0];
   SetBounded(node.node_namespace, "/");
   SetBounded(node.node_name, name_);
-  SetGids(node.reader_gid_seq, readers_);
+  std::vector<Handle> readers;
+  for (const auto& [reader, counts] : readers_) readers.push_back(reader);
+  SetGids(node.reader_gid_seq, readers);
   SetGids(node.writer_gid_seq, writers_);
   Checked(dds_write(graph_, info.data()), "graph");
 }
@@ -221,9 +231,12 @@ Result<void> RosNode::Write(Handle writer, const AnyRosMessage& message) {
 
 std::optional<RosNode::Taken> RosNode::Take(Handle reader, size_t max_bytes,
                                             std::vector<uint8_t>& cdr) {
+  Reader& counts = readers_.at(reader);
+  const int64_t came = counts.came;
   ddsi_serdata* data = nullptr;
   dds_sample_info_t info{};
   while (dds_takecdr(reader, &data, 1, &info, DDS_ANY_STATE) == 1) {
+    ++counts.taken;
     Taken taken{.bytes = ddsi_serdata_size(data), .publisher = info.publication_handle};
     taken.is_too_big = taken.bytes > max_bytes;
     // A publisher that is gone leaves a sample without data.
@@ -232,9 +245,17 @@ std::optional<RosNode::Taken> RosNode::Take(Handle reader, size_t max_bytes,
       ddsi_serdata_to_ser(data, 0, cdr.size(), cdr.data());
     }
     ddsi_serdata_unref(data);
-    if (info.valid_data) return taken;
+    if (!info.valid_data) continue;
+    counts.replaced = std::max(counts.replaced, came - counts.taken - (counts.depth - 1));
+    return taken;
   }
+  counts.replaced = std::max(counts.replaced, came - counts.taken);
   return std::nullopt;
+}
+
+int64_t RosNode::TakeReplaced(Handle reader) {
+  Reader& counts = readers_.at(reader);
+  return counts.replaced - std::exchange(counts.told, counts.replaced);
 }
 
 void RosNode::Wait(std::chrono::milliseconds longest) {

@@ -1,6 +1,7 @@
 #ifndef SPROUT_COMMON_ROS_ROS_NODE_H_
 #define SPROUT_COMMON_ROS_ROS_NODE_H_
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -94,6 +95,10 @@ class RosNode {
   /// Takes the oldest message of a reader as CDR; nothing when there is none.
   std::optional<Taken> Take(Handle reader, size_t max_bytes, std::vector<uint8_t>& cdr);
 
+  /// How many messages newer ones are known to have replaced before they were taken
+  /// (RosQos::depth), since the last call. DDS does not count them.
+  int64_t TakeReplaced(Handle reader);
+
   /// Waits until a reader has a message, or until the time is over.
   void Wait(std::chrono::milliseconds longest);
 
@@ -120,6 +125,15 @@ class RosNode {
     RosQos offered;
   };
 
+  struct Reader {
+    Handle has_data = 0;  // condition
+    int64_t depth = 0;    // RosQos::depth
+    std::atomic<int64_t> came = 0;
+    int64_t taken = 0;
+    int64_t replaced = 0;
+    int64_t told = 0;  // of those
+  };
+
   Handle AddTopic(const std::string& topic, const RosType& type);
   void Discover();
 
@@ -130,7 +144,7 @@ class RosNode {
   Handle waitset_ = 0;
   Handle graph_ = 0;                        // writer of ros_discovery_info
   std::map<uint64_t, Endpoint> endpoints_;  // of publishers, by their instances
-  std::vector<Handle> readers_;
+  std::map<Handle, Reader> readers_;        // DDS knows their addresses
   std::vector<Handle> writers_;
 };
 

@@ -159,6 +159,7 @@ class LiveInput : public RosInput {
 
   bool Take(LiveTopic& topic, RosBytes& message) {
     const std::optional<RosNode::Taken> taken = node_->Take(topic.reader, topic.max_bytes, cdr_);
+    SayReplaced(topic);
     if (!taken) return false;
     topic.heard = Clock::now();
     topic.was_heard = true;
@@ -173,6 +174,15 @@ class LiveInput : public RosInput {
     }
     message = {.role = topic.role, .is_compressed = topic.is_compressed, .cdr = cdr_};
     return true;
+  }
+
+  // Images and points that were lost here. What came before the first one was taken is nobody's.
+  void SayReplaced(LiveTopic& topic) {
+    const int64_t replaced = node_->TakeReplaced(topic.reader);
+    if (!topic.was_heard || IsCalibration(topic.role)) return;
+    for (int64_t i = 0; i < replaced; ++i) {
+      reports_.Refuse(topic.name, "came faster than messages are taken, or while nothing ran here");
+    }
   }
 
   std::string PublishersText(const LiveTopic& topic) {

@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <chrono>
+#include <thread>
 #include <vector>
 
 #include "common/ros/ros_node.h"
@@ -160,6 +162,35 @@ TEST(RosSource, TellsALiveCameraInfoThatCannotBeUsedBeforeTheWaitIsOver) {
   };
   EXPECT_EQ(OpenRosSource("ros2:left=/left/image&right=/right/image&domain=77", options), nullptr);
   EXPECT_THAT(told.refused, testing::ElementsAre(testing::HasSubstr("/left/camera_info: ")));
+}
+
+// Newer ones take their place in DDS, which does not count them.
+TEST(RosSource, CountsLiveMessagesThatAreNotTakenInTime) {
+  RosNode camera({.domain = 78, .name = "camera"});
+  const RosNode::Handle left = camera.AddWriter("/left/image", RosTypeOf<RosImage>(), {});
+  const RosNode::Handle right = camera.AddWriter("/right/image", RosTypeOf<RosImage>(), {});
+  camera.Announce();
+  Told told;
+  const auto source =
+      OpenRawRosSource("ros2:left=/left/image&right=/right/image&domain=78", told.Options());
+  const auto is_heard = [&] { return camera.HasReaders(left) && camera.HasReaders(right); };
+  while (!is_heard()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  const std::stop_source never;
+  int64_t utime = kStart;
+  const auto send = [&](int pairs) {
+    for (int i = 0; i < pairs; ++i) {
+      utime += 100'000;
+      ASSERT_TRUE(camera.Write(left, ToRosImage({utime, "left"}, Grey(1))));
+      ASSERT_TRUE(camera.Write(right, ToRosImage({utime, "right"}, Grey(1))));
+    }
+  };
+  send(1);
+  ASSERT_TRUE(source->Next(never.get_token()));
+  EXPECT_THAT(told.refused, ElementsAre());
+  send(20);
+  for (int i = 0; i < 8; ++i) ASSERT_TRUE(source->Next(never.get_token()));
+  EXPECT_THAT(told.refused, testing::SizeIs(2 * 12));
+  EXPECT_THAT(told.refused, testing::Each(HasSubstr("/image: came faster than")));
 }
 
 TEST(RosSource, PointsStandWhereTheirOwnFrameDoes) {
