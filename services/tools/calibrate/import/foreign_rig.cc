@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "common/config/config_error.h"
+#include "common/core/printable.h"
 #include "common/core/read_text.h"
 
 namespace sprout::calibrate {
@@ -46,6 +49,19 @@ std::string Word(const YAML::Node& node) {
 
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using RowMajor4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
+
+// The entries of the file and of its cameras: YAML allows a name once, and the library takes the
+// first of several.
+void RequireNamesOnce(const ForeignFile& file, const YAML::Node& map, bool is_file) {
+  std::set<std::string> names;
+  for (const auto& entry : map) {
+    const std::string name = Word(entry.first);
+    if (!names.insert(name).second) {
+      throw Bad(file, Printable(name) + " is there twice; allowed: one of them");
+    }
+    if (is_file && entry.second.IsMap()) RequireNamesOnce(file, entry.second, /*is_file=*/false);
+  }
+}
 
 // --- Kalibr ---
 
@@ -160,6 +176,7 @@ ForeignRig ReadYamlRig(const std::vector<ForeignFile>& files) {
       throw Bad(file, std::string("no YAML: ") + e.what());
     }
     if (!roots.back().IsMap()) throw Bad(file, "no calibration of OpenCV, ROS or Kalibr");
+    RequireNamesOnce(file, roots.back(), /*is_file=*/true);
   }
   try {
     if (roots[0]["cam0"].IsDefined()) {

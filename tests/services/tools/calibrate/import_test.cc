@@ -275,6 +275,9 @@ TEST_F(Import, ACamchainOfKalibr) {
   ExpectTruth(swapped, truth);
   EXPECT_EQ(swapped.left.name, "cam1");
   EXPECT_THAT(Refusal({Write("one.yaml", first)}), HasSubstr("one.yaml: no cam1"));
+  EXPECT_THAT(Refusal({Write("twice.yaml", first + second + KalibrPose(truth.r, truth.t) +
+                                               "  intrinsics: [1, 1, 1, 1]\n")}),
+              HasSubstr("twice.yaml: intrinsics is there twice; allowed: one of them"));
   EXPECT_THAT(Refusal({Write("bare.yaml", first + second)}),
               HasSubstr("no cam1: T_cn_cnm1 of 16 finite numbers"));
   EXPECT_THAT(Refusal({Write("omni.yaml", "cam0: {camera_model: omni}\ncam1:\n" +
