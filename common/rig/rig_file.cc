@@ -6,6 +6,7 @@
 #include "common/config/config.h"
 #include "common/core/number_text.h"
 #include "common/core/output_file.h"
+#include "common/core/printable.h"
 #include "common/core/read_text.h"
 #include "common/rig/rectification.h"
 
@@ -133,7 +134,7 @@ std::string CommentsOf(const std::string& text) {
   for (const std::string_view line : SplitAt('\n', text)) {
     if (CommentIn(line) == std::string_view::npos) continue;
     const std::string_view trimmed = Trimmed(line);
-    comments += (trimmed.front() == '#' ? "" : "# ") + std::string(trimmed) + "\n";
+    comments += (trimmed.front() == '#' ? "" : "# ") + Printable(trimmed) + "\n";
   }
   return comments;
 }

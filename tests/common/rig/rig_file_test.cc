@@ -136,6 +136,12 @@ TEST_F(RigFile, KeepsTheCommentsOfTheFileThatItReplaces) {
   }
 }
 
+TEST_F(RigFile, TakesThePlaceOfAFileOfAnything) {
+  std::ofstream(path_) << std::string("\0#\1 \xff\n", 6);
+  ASSERT_TRUE(SaveRigFile(path_, {}));
+  EXPECT_FALSE(LoadRigFile(path_).has_left());
+}
+
 TEST_F(RigFile, MayBeginWithAByteOrderMark) {
   RigDescription rig;
   rig.mutable_left()->set_serial("42");
