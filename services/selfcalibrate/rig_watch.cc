@@ -36,6 +36,14 @@ std::string Degrees(const SeenTurn& seen, Eigen::Index axis) {
   return Seen(seen.turn[axis], seen.sigma[axis], kDegrees, 3, "°");
 }
 
+// A shift of the ToF camera looks like a turn, and its standard deviation knows that.
+std::string PlaceText(const SeenTurn& tof) {
+  constexpr double kSure = 3;
+  const bool is_either =
+      (tof.turn.array().abs() > 0 && tof.turn.array().abs() < kSure * tof.sigma.array()).any();
+  return is_either ? " (turned, or moved some mm: these frames do not tell which)" : "";
+}
+
 std::string VerdictText(RigChange::Verdict verdict) {
   return verdict == RigChange::Verdict::kWrong ? "the calibration is wrong"
                                                : "the calibration is right";
@@ -102,12 +110,12 @@ std::string ChangeText(const RigChange& change, const RectifiedPair& pair) {
   }
   return fmt::format(
       "{} ({} frames, {} matches): rows {} (spread {:.2f} px), right camera pitch {}, yaw {}, roll "
-      "{}; ToF camera pitch {}, yaw {}, roll {}, ranges {}",
+      "{}; ToF camera pitch {}, yaw {}, roll {}{}, ranges {}",
       VerdictText(change.verdict), change.frames, change.matches,
       Seen(change.rows_px, change.rows_sigma_px, 1, 2, "px"), change.rows_spread_px,
       Pixels(change.right, 0, pair.focal_px), Pixels(change.right, 1, pair.focal_px),
       Degrees(change.right, 2), Pixels(change.tof, 0, pair.focal_px),
-      Pixels(change.tof, 1, pair.focal_px), Degrees(change.tof, 2),
+      Pixels(change.tof, 1, pair.focal_px), Degrees(change.tof, 2), PlaceText(change.tof),
       Seen(change.range_offset_m, change.range_sigma_m, 1000, 1, "mm"));
 }
 

@@ -358,6 +358,14 @@ TEST(ChangeText, HasEveryFigureWithItsStandardDeviation) {
             "1.0 mm");
 }
 
+TEST(ChangeText, SaysWhereATurnMayBeAMove) {
+  RigChange change = Wrong();
+  EXPECT_THAT(ChangeText(change, kPair), testing::Not(HasSubstr("moved some mm")));
+  change.tof.sigma[1] = 0.0025;
+  EXPECT_THAT(ChangeText(change, kPair),
+              HasSubstr("yaw +3.00 ± 1.25 px, roll not seen (turned, or moved some mm"));
+}
+
 TEST(ChangeText, SaysWhyNothingIsSeen) {
   const RigChange change{.newest_frame = {}, .reason = "the scene is too flat", .frames = 4};
   EXPECT_EQ(ChangeText(change, kPair),

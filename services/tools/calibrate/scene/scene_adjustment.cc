@@ -1,114 +1,18 @@
 #include "services/tools/calibrate/scene/scene_adjustment.h"
 
 #include <ceres/ceres.h>
-#include <ceres/rotation.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
-#include "services/tools/calibrate/rig_residuals.h"
 #include "services/tools/calibrate/robust_solver.h"
+#include "services/tools/calibrate/scene/scene_deviations.h"
+#include "services/tools/calibrate/scene/scene_residuals.h"
 
 namespace sprout::calibrate {
 namespace {
-
-// The residuals of AdjustScene(), for Ceres. Blocks: `turn` is kPitch, kYaw, kRoll; `place`
-// kPlaceY, kPlaceZ; `lens` kFocal, kFocalRight, kRowRight; `tof_turn` kTofPitch, kTofYaw, kTofRoll;
-// `offset` kRangeOffset; and the inverse depth of the point.
-
-// A lens with another focal length and principal row: fx, fy, cx, cy, k1, k2, p1, p2, k3.
-template <typename T>
-std::array<T, 9> LensNumbersOf(const Lens& lens, const T& scale, const T& rows_px) {
-  const auto& k = lens.distortion;
-  return {scale * lens.fx, scale * lens.fy, T(lens.cx), rows_px + lens.cy, T(k[0]), T(k[1]),
-          T(k[2]),         T(k[3]),         T(k[4])};
-}
-
-// exp(turn) · first, inverted, of a vector.
-template <typename T>
-Eigen::Matrix<T, 3, 1> IntoTurned(const T* turn, const Eigen::Matrix3d& first,
-                                  const Eigen::Matrix<T, 3, 1>& vector) {
-  T turned[3];
-  RotateBack(turn, vector.data(), turned);
-  return first.transpose().cast<T>() * Eigen::Matrix<T, 3, 1>(turned[0], turned[1], turned[2]);
-}
-
-template <typename T>
-Eigen::Matrix<T, 3, 1> LeftRay(const RawRig& rig, const T* lens, const cv::Point2d& pixel) {
-  const std::array<T, 9> left = LensNumbersOf<T>(rig.left, T(1) + lens[0], T(0));
-  Eigen::Matrix<T, 3, 1> ray;
-  RayOfPixel(left.data(), T(pixel.x), T(pixel.y), ray.data());
-  return ray;
-}
-
-// (measured − π(right lens, right camera⁻¹ · (ray / inverse depth))) / σ, px/px.
-struct MatchError {
-  const RawRig& rig;
-  const SceneMatch& match;
-  double column_sigma_px;
-  double row_sigma_px;
-
-  template <typename T>
-  bool operator()(const T* turn, const T* place, const T* lens, const T* inverse_depth,
-                  T* residual) const {
-    const Eigen::Matrix<T, 3, 1> right_place =
-        PlaceAxes(rig.left_from_right.translation_m).Moved(place[0], place[1]);
-    const Eigen::Matrix<T, 3, 1> ray = LeftRay(rig, lens, match.left);
-    const Eigen::Matrix<T, 3, 1> p =
-        IntoTurned<T>(turn, rig.left_from_right.rotation.toRotationMatrix(),
-                      ray - inverse_depth[0] * right_place);
-    if (p[2] <= T(0)) return false;
-    const std::array<T, 9> right =
-        LensNumbersOf<T>(rig.right, (T(1) + lens[0]) * (T(1) + lens[1]), lens[2]);
-    const T x = p[0] / p[2];
-    const T y = p[1] / p[2];
-    const Distorted<T> distorted(right.data(), x, y);
-    const T u = x * distorted.radial + distorted.tangential[0];
-    const T v = y * distorted.radial + distorted.tangential[1];
-    residual[0] = (T(match.right.x) - right[0] * u - right[2]) / T(column_sigma_px);
-    residual[1] = (T(match.right.y) - right[1] * v - right[3]) / T(row_sigma_px);
-    return true;
-  }
-};
-
-// Distance of the point from the plane that the ToF camera measured, / σ, m/m.
-struct PatchError {
-  const RawRig& rig;
-  const SceneMatch& match;  // with a patch
-  double sigma_m;
-
-  template <typename T>
-  bool operator()(const T* lens, const T* tof_turn, const T* offset, const T* inverse_depth,
-                  T* residual) const {
-    const Eigen::Matrix<T, 3, 1> ray = LeftRay(rig, lens, match.left);
-    if (inverse_depth[0] <= T(0)) return false;
-    const Eigen::Matrix<T, 3, 1> point =
-        IntoTurned<T>(tof_turn, rig.left_from_tof.rotation.toRotationMatrix(),
-                      ray / inverse_depth[0] - rig.left_from_tof.translation_m.cast<T>());
-    const TofPatch& patch = *match.tof;
-    residual[0] =
-        (patch.normal.cast<T>().dot(point) - patch.distance_m - patch.per_range * offset[0]) /
-        T(sigma_m);
-    return true;
-  }
-};
-
-// Turn of the ToF camera that the depth edges show, / σ.
-struct EdgeError {
-  const EdgeShift& shift;
-
-  template <typename T>
-  bool operator()(const T* tof_turn, T* residual) const {
-    Eigen::Matrix<T, 3, 1> turn;
-    for (int i = 0; i < 3; ++i) turn[i] = tof_turn[i] - shift.applied[i];
-    const Eigen::Matrix<T, 3, 1> rectified = shift.rectified_from_left.cast<T>() * turn;
-    for (int i = 0; i < 2; ++i) residual[i] = (rectified[i] - shift.turn[i]) / shift.sigma[i];
-    return true;
-  }
-};
 
 // The prior that a number hardly changes: (number − 0) / σ.
 template <int kSize>
@@ -130,16 +34,6 @@ constexpr int kLaterRounds = 2;
 constexpr double kMinScatterPx = 0.01;
 // A number is seen when it is known to this share of what is expected of it.
 constexpr double kSeen = 1.0 / 3;
-// A change of fewer standard deviations is none: a right rig has one of these once in 370.
-constexpr double kSignificant = 3;
-// Matches share errors (the same texture in all frames, surfaces that are no planes): one in so
-// many is independent. Measured: without it errors are 2.2 standard deviations (NOTES.md).
-constexpr double kSharing = 4;
-// Pitch and yaw of the ToF camera: what all frames share, since its pixels see the same surfaces
-// again; px of the left camera. Measured: without it, errors of three frames' pitch were 2.2
-// standard deviations of 0.1 px (NOTES.md).
-constexpr double kTofSharedPx = 0.15;
-
 // Numbers first to first + size − 1 are one block.
 struct NumberBlock {
   RigNumber first;
@@ -156,7 +50,7 @@ class Adjustment {
  public:
   Adjustment(const RawRig& rig, const std::vector<SceneMatch>& matches,
              const std::optional<EdgeShift>& edges, const Wanted& wanted)
-      : rig_(rig), matches_(matches), edges_(edges), free_(wanted), seen_(wanted) {
+      : rig_(rig), matches_(matches), edges_(edges), wanted_(wanted), free_(wanted), seen_(wanted) {
     Restart();
   }
 
@@ -170,7 +64,8 @@ class Adjustment {
     while (solved && only_sure && TakeOutInsignificant()) solved = Solutions(kLaterRounds);
     if (!solved) return tl::unexpected(solved.error());
     return AdjustedScene{.change = numbers_,
-                         .sigma = deviations_,
+                         .sigma = totals_,
+                         .frames_sigma = deviations_,
                          .seen = seen_,
                          .inverse_depths = depths_,
                          .match_sigma_px = sigma_px_};
@@ -183,7 +78,7 @@ class Adjustment {
       Build(problem);
       if (!FindMinimum(problem)) return Fail("the matches lead to no calibration");
       FindSigmas();
-      if (round + 1 == rounds && !FindDeviations(problem)) {
+      if (round + 1 == rounds && !FindDeviations()) {
         return Fail("the matches do not determine the calibration");
       }
     }
@@ -269,29 +164,16 @@ class Adjustment {
     along_sigmas_ = std::max(1.0, along_sigmas_ * RobustSigma(std::move(ranges)));
   }
 
-  bool FindDeviations(ceres::Problem& problem) {
-    // Eigen's QR takes minutes with thousands of depths.
-    const bool is_there = ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::SUITE_SPARSE);
-    ceres::Covariance covariance(
-        CovarianceOptions(is_there ? ceres::SUITE_SPARSE : ceres::EIGEN_SPARSE));
-    std::vector<std::pair<const double*, const double*>> blocks;
-    for (const NumberBlock& block : kNumberBlocks) blocks.emplace_back(At(block), At(block));
-    if (!covariance.Compute(blocks, &problem)) return false;
-    for (const NumberBlock& block : kNumberBlocks) {
-      std::array<double, 9> matrix{};
-      covariance.GetCovarianceBlock(At(block), At(block), matrix.data());
-      for (int i = 0; i < block.size; ++i) {
-        const auto number = static_cast<size_t>(block.first + i);
-        if (!free_[number]) continue;
-        const double variance = kSharing * matrix[static_cast<size_t>(i * block.size + i)];
-        deviations_[number] = std::hypot(std::sqrt(variance), SharedSigma(number));
-      }
+  bool FindDeviations() {
+    const std::optional<Deviations> found = DeviationsOf(
+        {rig_, matches_, depths_, numbers_, along_sigmas_ * sigma_px_, sigma_px_, along_sigmas_},
+        edges_, free_, wanted_);
+    if (!found) return false;
+    for (size_t number = 0; number < kRigNumbers; ++number) {
+      if (free_[number]) deviations_[number] = found->if_others_stay[number];
+      if (seen_[number]) totals_[number] = found->all[number];
     }
     return true;
-  }
-
-  double SharedSigma(size_t number) const {
-    return number == kTofPitch || number == kTofYaw ? kTofSharedPx / rig_.left.fx : 0;
   }
 
   // The least known number, when it is not seen; whether there was one.
@@ -303,7 +185,7 @@ class Adjustment {
     if (!worst || share(*worst) <= kSeen) return false;
     TakeOut(*worst);
     seen_[*worst] = false;
-    deviations_[*worst] = RowOf(static_cast<RigNumber>(*worst)).expected;
+    deviations_[*worst] = totals_[*worst] = RowOf(static_cast<RigNumber>(*worst)).expected;
     return true;
   }
 
@@ -313,7 +195,7 @@ class Adjustment {
       return deviations_[number] / std::max(std::abs(numbers_[number]), 1e-300);
     };
     const std::optional<size_t> worst = LargestFree(chance);
-    if (!worst || chance(*worst) <= 1 / kSignificant) return false;
+    if (!worst || chance(*worst) <= 1 / kSureChangeSigmas) return false;
     TakeOut(*worst);
     return true;
   }
@@ -335,10 +217,12 @@ class Adjustment {
   const RawRig& rig_;
   const std::vector<SceneMatch>& matches_;
   const std::optional<EdgeShift>& edges_;
+  const Wanted& wanted_;
   Wanted free_;
   Wanted seen_;
   RigNumbers numbers_{};
   RigNumbers deviations_{};
+  RigNumbers totals_{};  // deviations, also of where the ToF camera stands
   std::vector<double> depths_;
   double sigma_px_ = 1;
   double along_sigmas_ = 1;  // scatter along the rays, in units of what rows and planes show

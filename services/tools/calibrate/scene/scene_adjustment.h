@@ -43,10 +43,17 @@ struct AdjustedScene {
   RigNumbers change{};  ///< 0: stays as it was
   /// Standard deviations, also of what could have changed but did not; expected() where not seen.
   RigNumbers sigma{};
+  /// The same if all that stays is right, and the ToF camera stands where the calibration has it: a
+  /// change is made when it is sure by these. Where it is not by `sigma`, something else would
+  /// explain the frames as well.
+  RigNumbers frames_sigma{};
   std::array<bool, kRigNumbers> seen{};  ///< whether the matches determine it
   std::vector<double> inverse_depths;    ///< of the matches, 1/m
   double match_sigma_px = 0;             ///< scatter of a coordinate, robust
 };
+
+/// A change of fewer standard deviations is none: a right rig has one of these once in 370.
+inline constexpr double kSureChangeSigmas = 3;
 
 /// Which numbers may change.
 using Wanted = std::array<bool, kRigNumbers>;

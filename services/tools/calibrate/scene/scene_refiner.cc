@@ -9,6 +9,7 @@
 #include "common/core/quantile.h"
 #include "common/geometry/projection.h"
 #include "services/tools/calibrate/scene/scene_checks.h"
+#include "services/tools/calibrate/scene/scene_deviations.h"
 
 namespace sprout::calibrate {
 namespace {
@@ -18,9 +19,6 @@ constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 // Depth edges are found as well in images that are so little off: rectifying them again takes most
 // of the time.
 constexpr double kSameImagesPx = 0.5;
-// Matches share so much where all lie at one place between pixels. Measured with simulated rigs,
-// whose curves are off by 9 mm at 6.3 m.
-constexpr double kSharedPx = 0.015;
 
 double MedianOrUnknown(std::vector<double> values) {
   return values.empty() ? kNotMeasured : Median(values);
@@ -54,7 +52,7 @@ std::vector<SceneMatch> Corrected(std::vector<SceneMatch> matches, const SceneRe
 // Whether the ToF camera's turn is that of the pass before, to a third of its standard deviation.
 bool TofStandsStill(const RigNumbers& before, const AdjustedScene& now) {
   return std::ranges::all_of(std::array{kTofPitch, kTofYaw, kTofRoll}, [&](RigNumber number) {
-    return 3 * std::abs(now.change[number] - before[number]) <= now.sigma[number];
+    return 3 * std::abs(now.change[number] - before[number]) <= now.frames_sigma[number];
   });
 }
 
@@ -181,12 +179,17 @@ std::optional<EdgeShift> SceneRefiner::FindEdges(const RigNumbers& change) {
 }
 
 Result<void> SceneRefiner::Adjust(const SceneWishes& wishes, SceneRefinement& result) {
-  // The ToF camera's pose decides which points are compared, so this is done twice. A turn of it
-  // looks much like an error of its ranges, and is halved from pass to pass when it is one.
-  constexpr int kMostPasses = 8;
+  // The ToF camera's pose decides which points are compared, so this is done until its turn stands
+  // still: first with all numbers, since a change that is sure looks like chance before, then with
+  // those that are sure, and the ranges' curve. A turn looks much like an error of the ranges, and
+  // is halved from pass to pass when it is one.
+  constexpr int kFreePasses = 5;
+  constexpr int kMostPasses = 12;
   const auto is_tof = [](const SceneMatch& match) { return match.tof.has_value(); };
+  bool only_sure = false;
   bool stands_still = false;
-  for (int pass = 0; pass < 2 || (pass < kMostPasses && !stands_still); ++pass) {
+  for (int pass = 0; pass < kMostPasses && !(only_sure && stands_still); ++pass) {
+    only_sure |= stands_still || pass >= kFreePasses;
     const RigNumbers change = result.adjusted.change;
     AttachPatches(Changed(rig_, change));
     if (pass == 0) result.before = FitOf(ResidualsOf(rig_, matches_, Depths(matches_), {}));
@@ -198,12 +201,11 @@ Result<void> SceneRefiner::Adjust(const SceneWishes& wishes, SceneRefinement& re
     }
     result.wanted[kYaw] = sees_tof || wishes.yaw;
     Result<AdjustedScene> adjusted = AdjustScene(
-        rig_, Corrected(matches_, result, change[kRangeOffset]), edges, result.wanted, pass > 0);
+        rig_, Corrected(matches_, result, change[kRangeOffset]), edges, result.wanted, only_sure);
     if (!adjusted) return tl::unexpected(adjusted.error());
-    stands_still =
-        (result.curve.empty() && result.light.empty()) || TofStandsStill(change, *adjusted);
+    stands_still = TofStandsStill(change, *adjusted);
     result.adjusted = std::move(*adjusted);
-    FindCorrections(result);
+    if (only_sure) FindCorrections(result);
   }
   return {};
 }
@@ -275,7 +277,7 @@ void SceneRefiner::FindCorrections(SceneRefinement& result) const {
         {.range_m = RangeOf(patch, adjusted.change[kRangeOffset]),
          .error_m = *residuals[i].tof_m / patch.per_range,
          .sigma_m = std::hypot(patch.sigma_m, adjusted.match_sigma_px * m_per_px) / patch.per_range,
-         .shared_m = kSharedPx * m_per_px / patch.per_range,
+         .shared_m = kSharedMatchPx * m_per_px / patch.per_range,
          .brightness = BrightnessOf(patch.amplitude, middle)});
   }
   const RangeFit fit = FitRangeCurve(std::move(samples));

@@ -43,6 +43,14 @@ std::string Deviation(const RigNumberRow& row, double sigma) {
   return fmt::format("{:.{}f} {}", row.per_unit * sigma, row.digits, row.unit);
 }
 
+// Of a change that the frames need, but that something else would explain as well.
+std::string AttributionText(const AdjustedScene& adjusted, size_t number) {
+  if (std::abs(adjusted.change[number]) >= kSureChangeSigmas * adjusted.sigma[number]) return "";
+  if (number == kYaw) return "or ToF ranges: the scene does not tell which";
+  if (number == kRangeOffset) return "or the right camera's yaw: the scene does not tell which";
+  return number < kTofPitch ? "" : "or moved some mm: the scene does not tell which";
+}
+
 Table NumberTable(const SceneRefinement& refinement) {
   Table rows = {{"what changes", "by", "standard deviation", ""}};
   for (size_t i = 0; i < kRigNumbers; ++i) {
@@ -57,7 +65,7 @@ Table NumberTable(const SceneRefinement& refinement) {
       rows.push_back({row.name, "", Deviation(row, adjusted.sigma[i]), "stays: no change is sure"});
     } else {
       rows.push_back({row.name, Number(row.per_unit * adjusted.change[i], row.digits, row.unit),
-                      Deviation(row, adjusted.sigma[i]), ""});
+                      Deviation(row, adjusted.sigma[i]), AttributionText(adjusted, i)});
     }
   }
   return rows;

@@ -1,6 +1,7 @@
 // Real images, which are not part of the project: prints the figures of
 // services/tools/calibrate/NOTES.md.
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -75,6 +76,56 @@ TEST(SceneData, TellsTheYawAgainstTheLidarOfKittiVideo) {
     EXPECT_TRUE(refined->adjusted.seen[kYaw]);
     EXPECT_LT(refined->adjusted.sigma[kYaw] * dataset->rig().pair.focal_px, 0.2);  // px
     EXPECT_LT(std::abs(refined->adjusted.change[kYaw]), 0.1 * std::numbers::pi / 180);
+  }
+}
+
+// A ToF camera as it should be, turned, moved aside and with ranges that wiggle; a right camera
+// that is turned. Prints each error and its standard deviation.
+TEST(SceneData, ClaimsNoMoreThanTheFramesTell) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  struct Knock {
+    const char* options;
+    RigNumber number;
+    double by;
+    double aside_m;
+  };
+  const Knock knocks[] = {{"", kTofYaw, 0, 0},
+                          {"&wiggle=10", kTofYaw, 0, 0},
+                          {"", kTofYaw, 0.3 * kDegree, 0},
+                          {"", kTofYaw, 0, 0.005},
+                          {"", kYaw, 0.1 * kDegree, 0}};
+  for (const char* scene : {"Books", "Dolls", "Cloth3"}) {
+    const fs::path folder = DataFolder("middlebury") / "half" / scene;
+    if (!fs::exists(folder)) GTEST_SKIP() << "SPROUT_DATA is not set, or has no middlebury";
+    for (const Knock& knock : knocks) {
+      CaptureConfig config;
+      config.set_source("middlebury:" + folder.string() + "?tof=sr4000" + knock.options);
+      const std::unique_ptr<scenes::Dataset> dataset = scenes::OpenDataset(config);
+      const RectifiedPair& pair = dataset->rig().pair;
+      RigNumbers error{};
+      error[knock.number] = -knock.by;
+      RawRig rig = Changed(RawRigOf(dataset->rig()), error);
+      rig.left_from_tof.translation_m.x() += knock.aside_m;
+      SceneRefiner refiner(
+          rig, {.left_turn = cv::Matx33d::eye(), .right_turn = cv::Matx33d::eye(), .pair = pair},
+          QuickEffort(pair));
+      const scenes::DatasetFrame images = dataset->Get(0);
+      ASSERT_TRUE(refiner.Add(images.left, images.right, images.tof));
+      const auto refined = refiner.Refine({});
+      ASSERT_TRUE(refined) << refined.error().text;
+      const AdjustedScene& adjusted = refined->adjusted;
+      for (const RigNumber number : {kYaw, kTofPitch, kTofYaw}) {
+        const RigNumberRow& row = RowOf(number);
+        const double off = adjusted.change[number] + error[number];
+        std::cout << fmt::format("{} {}: {} is off by {:.3f} ± {:.3f} {}\n", scene, &knock - knocks,
+                                 row.name, row.per_unit * off,
+                                 row.per_unit * adjusted.sigma[number], row.unit);
+        EXPECT_LT(std::abs(off), 3 * adjusted.sigma[number]);
+        const bool is_wrong = number == knock.number && knock.by != 0;
+        const bool is_aside = number == kTofYaw && knock.aside_m != 0;
+        EXPECT_EQ(adjusted.change[number] != 0, is_wrong || is_aside);
+      }
+    }
   }
 }
 
