@@ -89,7 +89,8 @@ RangeCorrection WholeCurve(const SceneRefinement& refined) {
     knot.offset_m += offset_m;
     knot.sigma_m = std::hypot(knot.sigma_m, sigma_m);
   }
-  if (whole.empty() && calibrate::IsSignificantCorrection(offset_m, sigma_m)) {
+  const double frames_sigma_m = refined.adjusted.frames_sigma[calibrate::kRangeOffset];
+  if (whole.empty() && calibrate::IsSignificantCorrection(offset_m, frames_sigma_m)) {
     whole.push_back({1 / Median(std::vector(refined.adjusted.inverse_depths)), offset_m, sigma_m});
   }
   return whole;

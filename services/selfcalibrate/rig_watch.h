@@ -44,8 +44,7 @@ class RigWatch {
   /// @returns what this frame and those before it show, when they are enough; where no calibration
   ///          can be told, the reason also has what CheckInputs() finds bad of the pairs (rows far
   ///          apart, sides swapped ...); an error when its sizes do not fit its calibration. At 2
-  ///          MP 0.2 s, and 0.5 s more with a result, or 1 s when the calibration is wrong, or 2 s
-  ///          when the ranges are.
+  ///          MP 0.2 s, and 0.6 s more with a result, or 4 s when the calibration is wrong.
   Result<std::optional<RigChange>> Add(const Frame& frame);
 
   /// Begins again with the next frame.

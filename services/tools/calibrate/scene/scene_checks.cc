@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/core/quantile.h"
+#include "services/tools/calibrate/scene/scene_deviations.h"
 
 namespace sprout::calibrate {
 namespace {
@@ -69,6 +70,14 @@ double Relief(const std::vector<SceneMatch>& matches, const std::vector<cv::Poin
     weights = (off.array().max(0.1)).inverse();
   }
   return Quantile(std::vector<double>(off.begin(), off.end()), kReliefShare);
+}
+
+// What ranges may be off by, three standard deviations, as disparity in the middle of the scene.
+double MostRangeErrorPx(const SceneRefinement& refinement) {
+  std::vector<double> per_m = refinement.adjusted.inverse_depths;
+  const double middle_per_m = per_m.empty() ? 0 : Median(std::move(per_m));
+  return refinement.rig.left.fx * refinement.rig.left_from_right.translation_m.norm() *
+         middle_per_m * middle_per_m * kSureChangeSigmas * kRangeErrorM;
 }
 
 }  // namespace
@@ -156,13 +165,13 @@ std::vector<std::string> ReasonsAgainst(const SceneRefinement& refinement) {
                     "allowed)",
                     after.tof_px, kMaxTofPx));
   }
-  const auto worse = [&](const char* what, double SceneFit::*px) {
-    if (!(after.*px > refinement.before.*px + kMaxWorsePx)) return;
+  const auto worse = [&](const char* what, double SceneFit::*px, double most_px) {
+    if (!(after.*px > refinement.before.*px + most_px)) return;
     reasons.push_back(fmt::format("{} fit worse than before: {:.2f} instead of {:.2f} px", what,
                                   after.*px, refinement.before.*px));
   };
-  worse("rows", &SceneFit::rows_abs_median_px);
-  worse("ToF points", &SceneFit::tof_abs_px);
+  worse("rows", &SceneFit::rows_abs_median_px, kMaxWorsePx);
+  worse("ToF points", &SceneFit::tof_abs_px, std::max(kMaxWorsePx, MostRangeErrorPx(refinement)));
   for (size_t number = 0; number < kRigNumbers; ++number) {
     const RigNumberRow& row = RowOf(static_cast<RigNumber>(number));
     const double change = refinement.adjusted.change[number];

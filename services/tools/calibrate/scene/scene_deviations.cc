@@ -3,7 +3,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "common/core/quantile.h"
@@ -17,11 +16,9 @@ constexpr int kColumns = 8;
 constexpr int kBands = 6;
 // As AddRobust() has it.
 constexpr double kLossSigmas = 2;
-// What a knock moves the ToF camera by, to the right and down: its turn of a degree, on a mount of
-// 30 cm. Forward is like the ranges' offset, which puts it right as well.
+// What a knock moves the ToF camera by along each axis: its turn of a degree, on a mount of 30 cm.
+// Forward, also what a rig drives at 0.25 m/s in the 20 ms by which parts of a frame may differ.
 constexpr double kTofPlaceM = 0.005;
-// What ranges are off by: a sine of the 10 mm that data sheets allow.
-constexpr double kRangeErrorM = 0.01 / std::numbers::sqrt2;
 // Ranges that differ by more have errors of their own: a quarter of what an SR4000's error repeats
 // after (1.25 m), at 1.3 m. From the nearest to the farthest range that counts.
 constexpr double kRangeStep = 1.25;
@@ -227,7 +224,7 @@ class DeviationSums {
   void AddSystematic(const TofPatch& patch, const Eigen::Matrix3d& left_from_tof,
                      const Vector& slope_per_m) {
     const Eigen::Vector3d normal = left_from_tof * patch.normal;
-    by_place_ += slope_per_m * normal.head<2>().transpose();
+    by_place_ += slope_per_m * normal.transpose();
     const double range_m = patch.distance_m / patch.per_range;
     const double step = std::log(std::max(range_m / kNearestM, 1.0)) / std::log(kRangeStep);
     const int below = std::min(static_cast<int>(step), kRanges - 2);
@@ -258,8 +255,8 @@ class DeviationSums {
 
   // A ToF camera that stands further right sees an edge further left, like one that is turned.
   void AddPlaceOfEdges(const EdgeShift& edges, double inverse_depth) {
-    Eigen::Matrix2d turn_by_place;
-    turn_by_place << 0, inverse_depth, -inverse_depth, 0;
+    Eigen::Matrix<double, 2, 3> turn_by_place;
+    turn_by_place << 0, inverse_depth, 0, -inverse_depth, 0, 0;
     by_place_.middleRows<3>(kTofPitch) +=
         EdgesByTurn(edges).transpose() * edges.sigma.cwiseInverse().asDiagonal() * turn_by_place;
   }
@@ -271,7 +268,7 @@ class DeviationSums {
   Normal whole_;
   // The slope by what is not adjusted: the ToF camera's place, to the right and down, m; its
   // ranges' errors, m.
-  Eigen::Matrix<double, kNumbers, 2> by_place_ = Eigen::Matrix<double, kNumbers, 2>::Zero();
+  Eigen::Matrix<double, kNumbers, 3> by_place_ = Eigen::Matrix<double, kNumbers, 3>::Zero();
   Eigen::Matrix<double, kNumbers, kRanges> by_range_ =
       Eigen::Matrix<double, kNumbers, kRanges>::Zero();
 };

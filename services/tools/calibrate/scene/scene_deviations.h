@@ -1,6 +1,7 @@
 #ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_DEVIATIONS_H_
 #define SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_DEVIATIONS_H_
 
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -11,6 +12,9 @@ namespace sprout::calibrate {
 /// What matches share where all lie at one place between pixels, px. Measured with simulated rigs,
 /// whose curves of ranges are off by 9 mm at 6.3 m.
 inline constexpr double kSharedMatchPx = 0.015;
+
+/// What ranges are off by, m: a sine of the 10 mm that data sheets allow.
+inline constexpr double kRangeErrorM = 0.01 / std::numbers::sqrt2;
 
 /// Where an adjustment ended.
 struct AdjustmentEnd {

@@ -47,7 +47,7 @@ std::string Deviation(const RigNumberRow& row, double sigma) {
 std::string AttributionText(const AdjustedScene& adjusted, size_t number) {
   if (std::abs(adjusted.change[number]) >= kSureChangeSigmas * adjusted.sigma[number]) return "";
   if (number == kYaw) return "or ToF ranges: the scene does not tell which";
-  if (number == kRangeOffset) return "or the right camera's yaw: the scene does not tell which";
+  if (number == kRangeOffset) return "or a yaw, or moved some mm: the scene does not tell which";
   return number < kTofPitch ? "" : "or moved some mm: the scene does not tell which";
 }
 
