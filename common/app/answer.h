@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_ANSWER_H_
-#define SPROUT_COMMON_APP_ANSWER_H_
+#pragma once
 
 #include <cstdint>
 #include <optional>
@@ -38,5 +37,3 @@ std::optional<Answer> MakeAnswer(const Frame& frame, StageAdapter& adapter,
                                  DisparityEncoding encoding, StageMonitor& monitor);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_ANSWER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_COMPUTE_H_
-#define SPROUT_COMMON_APP_COMPUTE_H_
+#pragma once
 
 #include <cstddef>
 #include <string>
@@ -41,5 +40,3 @@ void TouchMemory(size_t bytes);
 void LowerPriority();
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_COMPUTE_H_

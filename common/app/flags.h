@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_FLAGS_H_
-#define SPROUT_COMMON_APP_FLAGS_H_
+#pragma once
 
 #include <cstdint>
 #include <functional>
@@ -117,5 +116,3 @@ class Flags {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_FLAGS_H_

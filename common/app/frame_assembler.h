@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_FRAME_ASSEMBLER_H_
-#define SPROUT_COMMON_APP_FRAME_ASSEMBLER_H_
+#pragma once
 
 #include <cstdint>
 #include <span>
@@ -39,5 +38,3 @@ class FrameAssembler {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_FRAME_ASSEMBLER_H_

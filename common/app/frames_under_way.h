@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_FRAMES_UNDER_WAY_H_
-#define SPROUT_COMMON_APP_FRAMES_UNDER_WAY_H_
+#pragma once
 
 #include <chrono>
 #include <condition_variable>
@@ -77,5 +76,3 @@ class FramesUnderWay {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_FRAMES_UNDER_WAY_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_HELP_TEXT_H_
-#define SPROUT_COMMON_APP_HELP_TEXT_H_
+#pragma once
 
 #include <cstddef>
 #include <span>
@@ -22,5 +21,3 @@ std::string WrapLines(const std::string& text, size_t description_column);
 std::string NearestName(const std::string& word, std::span<const std::string> names);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_HELP_TEXT_H_

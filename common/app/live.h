@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_LIVE_H_
-#define SPROUT_COMMON_APP_LIVE_H_
+#pragma once
 
 #include <span>
 
@@ -20,5 +19,3 @@ void RunLive(const ServiceContext& context, StageAdapter& adapter,
              std::span<StageMonitor> steps = {});
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_LIVE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_LOG_H_
-#define SPROUT_COMMON_APP_LOG_H_
+#pragma once
 
 #include <fmt/core.h>
 
@@ -34,5 +33,3 @@ void LogLine(LogLevel level, fmt::format_string<First, Rest...> format, First&& 
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_LOG_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_LOG_LIMITER_H_
-#define SPROUT_COMMON_APP_LOG_LIMITER_H_
+#pragma once
 
 #include <chrono>
 #include <cstdint>
@@ -35,5 +34,3 @@ class LimitedWarnings {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_LOG_LIMITER_H_

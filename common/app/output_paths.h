@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_OUTPUT_PATHS_H_
-#define SPROUT_COMMON_APP_OUTPUT_PATHS_H_
+#pragma once
 
 #include <filesystem>
 #include <initializer_list>
@@ -28,5 +27,3 @@ void RequireWritableFolder(const std::string& flag, const std::filesystem::path&
 void WriteWhole(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_OUTPUT_PATHS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_PROCESS_H_
-#define SPROUT_COMMON_APP_PROCESS_H_
+#pragma once
 
 #include <sys/types.h>
 
@@ -56,5 +55,3 @@ class Process {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_PROCESS_H_

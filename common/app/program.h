@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_PROGRAM_H_
-#define SPROUT_COMMON_APP_PROGRAM_H_
+#pragma once
 
 #include <exception>
 #include <functional>
@@ -26,5 +25,3 @@ int RefusingLogs(const std::function<int()>& body);
 std::string ReachedLimitText(const std::exception& failure);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_PROGRAM_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_PROGRESS_H_
-#define SPROUT_COMMON_APP_PROGRESS_H_
+#pragma once
 
 #include <string>
 #include <thread>
@@ -30,5 +29,3 @@ class Progress {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_PROGRESS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_REPLAY_H_
-#define SPROUT_COMMON_APP_REPLAY_H_
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -94,5 +93,3 @@ class ReplayInput {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_REPLAY_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_RUN_STAGE_H_
-#define SPROUT_COMMON_APP_RUN_STAGE_H_
+#pragma once
 
 #include <functional>
 #include <memory>
@@ -20,5 +19,3 @@ int RunStage(int argc, char** argv, const std::string& stage, const std::string&
              const MakeAdapter& make_adapter, const std::string& program = "");
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_RUN_STAGE_H_

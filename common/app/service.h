@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_SERVICE_H_
-#define SPROUT_COMMON_APP_SERVICE_H_
+#pragma once
 
 #include <functional>
 #include <optional>
@@ -57,5 +56,3 @@ class Service {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_SERVICE_H_

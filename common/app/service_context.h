@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_SERVICE_CONTEXT_H_
-#define SPROUT_COMMON_APP_SERVICE_CONTEXT_H_
+#pragma once
 
 #include <optional>
 #include <stop_token>
@@ -30,5 +29,3 @@ struct ServiceContext {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_SERVICE_CONTEXT_H_

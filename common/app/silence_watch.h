@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_SILENCE_WATCH_H_
-#define SPROUT_COMMON_APP_SILENCE_WATCH_H_
+#pragma once
 
 #include <chrono>
 #include <cstdint>
@@ -99,5 +98,3 @@ class DuplicateWatch {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_SILENCE_WATCH_H_

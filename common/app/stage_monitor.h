@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_STAGE_MONITOR_H_
-#define SPROUT_COMMON_APP_STAGE_MONITOR_H_
+#pragma once
 
 #include <chrono>
 #include <cstdint>
@@ -147,5 +146,3 @@ class StageMonitor {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_STAGE_MONITOR_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_STATUS_BOARD_H_
-#define SPROUT_COMMON_APP_STATUS_BOARD_H_
+#pragma once
 
 #include <chrono>
 #include <cstdint>
@@ -109,5 +108,3 @@ std::string BoardJson(const std::vector<BoardRow>& rows,
                       const std::optional<LeftOut>& left_out = {});
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_STATUS_BOARD_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_STATUS_REPORTER_H_
-#define SPROUT_COMMON_APP_STATUS_REPORTER_H_
+#pragma once
 
 #include <chrono>
 #include <cstdint>
@@ -59,5 +58,3 @@ std::optional<std::string> ConfigChangeText(const ServiceContext& context,
                                             const ProcessInfo& recorded);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_STATUS_REPORTER_H_

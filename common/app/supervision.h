@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_SUPERVISION_H_
-#define SPROUT_COMMON_APP_SUPERVISION_H_
+#pragma once
 
 #include <chrono>
 #include <deque>
@@ -73,5 +72,3 @@ class Watchdog {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_SUPERVISION_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_APP_VERSION_H_
-#define SPROUT_COMMON_APP_VERSION_H_
+#pragma once
 
 #include <string>
 
@@ -9,5 +8,3 @@ namespace sprout {
 std::string Version();
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_APP_VERSION_H_

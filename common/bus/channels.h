@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_BUS_CHANNELS_H_
-#define SPROUT_COMMON_BUS_CHANNELS_H_
+#pragma once
 
 #include <algorithm>
 #include <string>
@@ -58,5 +57,3 @@ inline std::string AllowedChannelPrefix() {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_BUS_CHANNELS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_BUS_DATAGRAM_JOINER_H_
-#define SPROUT_COMMON_BUS_DATAGRAM_JOINER_H_
+#pragma once
 
 #include <chrono>
 #include <cstdint>
@@ -94,5 +93,3 @@ class DatagramJoiner {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_BUS_DATAGRAM_JOINER_H_

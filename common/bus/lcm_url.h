@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_BUS_LCM_URL_H_
-#define SPROUT_COMMON_BUS_LCM_URL_H_
+#pragma once
 
 #include <lcm/lcm.h>
 #include <netinet/in.h>
@@ -55,5 +54,3 @@ LcmPtr OpenLcm(const std::string& url);
 std::optional<std::string> ReceiveBufferWarning(const std::string& url);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_BUS_LCM_URL_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_BUS_MAILBOX_H_
-#define SPROUT_COMMON_BUS_MAILBOX_H_
+#pragma once
 
 #include <chrono>
 #include <condition_variable>
@@ -57,5 +56,3 @@ class Mailbox {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_BUS_MAILBOX_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_BUS_PUBLISHER_H_
-#define SPROUT_COMMON_BUS_PUBLISHER_H_
+#pragma once
 
 #include <cstdint>
 #include <span>
@@ -33,5 +32,3 @@ class Publisher {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_BUS_PUBLISHER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_BUS_RECEIVER_H_
-#define SPROUT_COMMON_BUS_RECEIVER_H_
+#pragma once
 
 #include <condition_variable>
 #include <cstdint>
@@ -89,5 +88,3 @@ class Receiver {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_BUS_RECEIVER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_BUS_UDPM_SOCKET_H_
-#define SPROUT_COMMON_BUS_UDPM_SOCKET_H_
+#pragma once
 
 #include <atomic>
 #include <functional>
@@ -41,5 +40,3 @@ class UdpmSocket {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_BUS_UDPM_SOCKET_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CONFIG_CONFIG_H_
-#define SPROUT_COMMON_CONFIG_CONFIG_H_
+#pragma once
 
 #include <google/protobuf/message.h>
 
@@ -47,5 +46,3 @@ void RequireInRange(const google::protobuf::Message& config, const std::string& 
 std::string ConfigText(const google::protobuf::Message& config);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CONFIG_CONFIG_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CONFIG_CONFIG_DIFFERENCE_H_
-#define SPROUT_COMMON_CONFIG_CONFIG_DIFFERENCE_H_
+#pragma once
 
 #include <string>
 #include <string_view>
@@ -22,5 +21,3 @@ struct ConfigDifference {
 std::vector<ConfigDifference> ConfigDifferences(std::string_view a, std::string_view b);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CONFIG_CONFIG_DIFFERENCE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CONFIG_CONFIG_ERROR_H_
-#define SPROUT_COMMON_CONFIG_CONFIG_ERROR_H_
+#pragma once
 
 #include <stdexcept>
 
@@ -13,5 +12,3 @@ class ConfigError : public std::runtime_error {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CONFIG_CONFIG_ERROR_H_

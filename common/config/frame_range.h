@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CONFIG_FRAME_RANGE_H_
-#define SPROUT_COMMON_CONFIG_FRAME_RANGE_H_
+#pragma once
 
 #include <cstdint>
 #include <limits>
@@ -21,5 +20,3 @@ struct FrameRange {
 FrameRange ParseFrameRange(const std::string& flag, const std::string& text);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CONFIG_FRAME_RANGE_H_

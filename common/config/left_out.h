@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CONFIG_LEFT_OUT_H_
-#define SPROUT_COMMON_CONFIG_LEFT_OUT_H_
+#pragma once
 
 #include <string>
 #include <string_view>
@@ -13,5 +12,3 @@ namespace sprout {
 ConfigError LeftOut(const std::string& what, std::string_view part);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CONFIG_LEFT_OUT_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CONFIG_STAGE_PARTS_H_
-#define SPROUT_COMMON_CONFIG_STAGE_PARTS_H_
+#pragma once
 
 #include <string_view>
 
@@ -29,5 +28,3 @@ PartSet InputsOf(std::string_view stage, const SproutConfig& config);
 PartSet OutputsOf(std::string_view stage, const SproutConfig& config);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CONFIG_STAGE_PARTS_H_

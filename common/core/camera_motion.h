@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_CAMERA_MOTION_H_
-#define SPROUT_COMMON_CORE_CAMERA_MOTION_H_
+#pragma once
 
 #include <array>
 #include <cstdint>
@@ -45,5 +44,3 @@ struct CameraMotion {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_CAMERA_MOTION_H_

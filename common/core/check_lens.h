@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_CHECK_LENS_H_
-#define SPROUT_COMMON_CORE_CHECK_LENS_H_
+#pragma once
 
 #include <Eigen/Core>
 #include <cmath>
@@ -33,5 +32,3 @@ inline void CheckPoseFields(Checks& checks, const std::string& name, const Pose&
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_CHECK_LENS_H_

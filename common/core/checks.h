@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_CHECKS_H_
-#define SPROUT_COMMON_CORE_CHECKS_H_
+#pragma once
 
 #include <cmath>
 #include <cstdint>
@@ -89,5 +88,3 @@ class Checks {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_CHECKS_H_

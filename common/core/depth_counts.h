@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_DEPTH_COUNTS_H_
-#define SPROUT_COMMON_CORE_DEPTH_COUNTS_H_
+#pragma once
 
 #include <cstdint>
 
@@ -20,5 +19,3 @@ struct DepthCounts {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_DEPTH_COUNTS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_DEPTH_IMAGE_H_
-#define SPROUT_COMMON_CORE_DEPTH_IMAGE_H_
+#pragma once
 
 #include <cstdint>
 #include <limits>
@@ -46,5 +45,3 @@ struct PointCloud {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_DEPTH_IMAGE_H_

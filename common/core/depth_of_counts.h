@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_DEPTH_OF_COUNTS_H_
-#define SPROUT_COMMON_CORE_DEPTH_OF_COUNTS_H_
+#pragma once
 
 #include <limits>
 #include <opencv2/core.hpp>
@@ -21,5 +20,3 @@ inline cv::Mat1f DepthOfCounts(const cv::Mat1w& counts, double metres_per_count)
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_DEPTH_OF_COUNTS_H_

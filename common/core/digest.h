@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_DIGEST_H_
-#define SPROUT_COMMON_CORE_DIGEST_H_
+#pragma once
 
 #include <cstdint>
 #include <memory>
@@ -34,5 +33,3 @@ class DigestStream {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_DIGEST_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_DISPARITY_DIFF_H_
-#define SPROUT_COMMON_CORE_DISPARITY_DIFF_H_
+#pragma once
 
 #include <cstdint>
 
@@ -26,5 +25,3 @@ struct DisparityDiff {
 DisparityDiff Compare(const DisparityImage& a, const DisparityImage& b);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_DISPARITY_DIFF_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_DISPARITY_IMAGE_H_
-#define SPROUT_COMMON_CORE_DISPARITY_IMAGE_H_
+#pragma once
 
 #include <algorithm>
 #include <cmath>
@@ -82,5 +81,3 @@ inline DisparityImage FromPx(const cv::Mat1f& px) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_DISPARITY_IMAGE_H_

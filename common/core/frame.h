@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_FRAME_H_
-#define SPROUT_COMMON_CORE_FRAME_H_
+#pragma once
 
 #include <array>
 #include <bitset>
@@ -215,5 +214,3 @@ size_t BytesOf(const Frame& frame);
 std::optional<cv::Size> ImageSize(const Frame& frame);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_FRAME_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_FRAME_ID_H_
-#define SPROUT_COMMON_CORE_FRAME_ID_H_
+#pragma once
 
 #include <compare>
 #include <cstdint>
@@ -17,5 +16,3 @@ struct FrameId {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_FRAME_ID_H_

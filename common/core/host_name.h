@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_HOST_NAME_H_
-#define SPROUT_COMMON_CORE_HOST_NAME_H_
+#pragma once
 
 #include <unistd.h>
 
@@ -16,5 +15,3 @@ inline std::string HostName() {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_HOST_NAME_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_IMAGE_H_
-#define SPROUT_COMMON_CORE_IMAGE_H_
+#pragma once
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -32,5 +31,3 @@ cv::Mat1b Halved(const cv::Mat1b& image);
 std::string SizeText(cv::Size size);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_IMAGE_H_

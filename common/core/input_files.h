@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_INPUT_FILES_H_
-#define SPROUT_COMMON_CORE_INPUT_FILES_H_
+#pragma once
 
 #include <filesystem>
 #include <string>
@@ -33,5 +32,3 @@ std::string NoteOutputFile(const std::string& flag, const std::filesystem::path&
 bool IsInputFile(const std::filesystem::path& path);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_INPUT_FILES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_MEDIAN_H_
-#define SPROUT_COMMON_CORE_MEDIAN_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <vector>
@@ -20,5 +19,3 @@ class MedianFilter {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_MEDIAN_H_

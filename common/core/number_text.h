@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_NUMBER_TEXT_H_
-#define SPROUT_COMMON_CORE_NUMBER_TEXT_H_
+#pragma once
 
 #include <charconv>
 #include <cmath>
@@ -61,5 +60,3 @@ inline std::optional<std::pair<int, int>> ParseSize(std::string_view text) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_NUMBER_TEXT_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_OUTPUT_FILE_H_
-#define SPROUT_COMMON_CORE_OUTPUT_FILE_H_
+#pragma once
 
 #include <filesystem>
 #include <string>
@@ -72,5 +71,3 @@ class OutputFile {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_OUTPUT_FILE_H_

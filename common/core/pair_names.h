@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_PAIR_NAMES_H_
-#define SPROUT_COMMON_CORE_PAIR_NAMES_H_
+#pragma once
 
 #include <cstdint>
 #include <optional>
@@ -63,5 +62,3 @@ std::optional<int64_t> StampOf(std::string_view name);
 bool ComesBefore(std::string_view a, std::string_view b);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_PAIR_NAMES_H_

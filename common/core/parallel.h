@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_PARALLEL_H_
-#define SPROUT_COMMON_CORE_PARALLEL_H_
+#pragma once
 
 #include <algorithm>
 #include <atomic>
@@ -72,5 +71,3 @@ void Renew(cv::Mat_<T>& map, cv::Size size) {
 inline void Renew(DisparityImage& map, cv::Size size) { Renew(map.counts(), size); }
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_PARALLEL_H_

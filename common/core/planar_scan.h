@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_PLANAR_SCAN_H_
-#define SPROUT_COMMON_CORE_PLANAR_SCAN_H_
+#pragma once
 
 #include <vector>
 
@@ -16,5 +15,3 @@ struct PlanarScan {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_PLANAR_SCAN_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_POSE_H_
-#define SPROUT_COMMON_CORE_POSE_H_
+#pragma once
 
 #include <Eigen/Geometry>
 
@@ -26,5 +25,3 @@ struct Pose {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_POSE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_PRINTABLE_H_
-#define SPROUT_COMMON_CORE_PRINTABLE_H_
+#pragma once
 
 #include <cstddef>
 #include <string>
@@ -33,5 +32,3 @@ inline std::string Shortened(const std::string& text, size_t longest) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_PRINTABLE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_PRIOR_MAP_H_
-#define SPROUT_COMMON_CORE_PRIOR_MAP_H_
+#pragma once
 
 #include <algorithm>
 #include <cmath>
@@ -60,5 +59,3 @@ struct PriorMap {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_PRIOR_MAP_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_PROCESS_INFO_H_
-#define SPROUT_COMMON_CORE_PROCESS_INFO_H_
+#pragma once
 
 #include <cstdint>
 #include <string>
@@ -22,5 +21,3 @@ struct ProcessInfo {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_PROCESS_INFO_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_QUANTILE_H_
-#define SPROUT_COMMON_CORE_QUANTILE_H_
+#pragma once
 
 #include <algorithm>
 #include <cassert>
@@ -35,5 +34,3 @@ auto Median(Values&& values) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_QUANTILE_H_

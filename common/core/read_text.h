@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_READ_TEXT_H_
-#define SPROUT_COMMON_CORE_READ_TEXT_H_
+#pragma once
 
 #include <cstddef>
 #include <filesystem>
@@ -23,5 +22,3 @@ constexpr size_t kMaxListBytes = size_t{1} << 26;
 Result<std::string> ReadText(const std::filesystem::path& path, size_t max_bytes = kMaxTextBytes);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_READ_TEXT_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_RECEIVE_BUFFER_H_
-#define SPROUT_COMMON_CORE_RECEIVE_BUFFER_H_
+#pragma once
 
 #include <cstdint>
 #include <optional>
@@ -13,5 +12,3 @@ namespace sprout {
 std::optional<std::string> ReceiveBufferShortage(int64_t asked);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_RECEIVE_BUFFER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_REPEAT_COUNT_H_
-#define SPROUT_COMMON_CORE_REPEAT_COUNT_H_
+#pragma once
 
 #include <cstddef>
 #include <opencv2/core.hpp>
@@ -22,5 +21,3 @@ class RepeatCount {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_REPEAT_COUNT_H_

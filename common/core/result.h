@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_RESULT_H_
-#define SPROUT_COMMON_CORE_RESULT_H_
+#pragma once
 
 #include <string>
 #include <tl/expected.hpp>
@@ -22,5 +21,3 @@ inline tl::unexpected<Error> Fail(std::string text) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_RESULT_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_RIG_H_
-#define SPROUT_COMMON_CORE_RIG_H_
+#pragma once
 
 #include <Eigen/Geometry>
 #include <array>
@@ -89,5 +88,3 @@ Result<void> CheckRig(const Rig& rig);
 std::string RigId(const Rig& rig);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_RIG_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_RIG_CHANGE_H_
-#define SPROUT_COMMON_CORE_RIG_CHANGE_H_
+#pragma once
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -39,5 +38,3 @@ struct RigChange {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_RIG_CHANGE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_SEED_H_
-#define SPROUT_COMMON_CORE_SEED_H_
+#pragma once
 
 #include <algorithm>
 #include <cstdint>
@@ -61,5 +60,3 @@ inline void Join(std::span<const Seed> one, std::span<const Seed> other, std::ve
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_SEED_H_

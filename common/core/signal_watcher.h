@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_SIGNAL_WATCHER_H_
-#define SPROUT_COMMON_CORE_SIGNAL_WATCHER_H_
+#pragma once
 
 #include <chrono>
 #include <csignal>
@@ -62,5 +61,3 @@ class Interrupt {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_SIGNAL_WATCHER_H_

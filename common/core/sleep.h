@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_SLEEP_H_
-#define SPROUT_COMMON_CORE_SLEEP_H_
+#pragma once
 
 #include <chrono>
 #include <condition_variable>
@@ -26,5 +25,3 @@ bool SleepFor(std::chrono::duration<Rep, Period> time, const std::stop_token& st
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_SLEEP_H_

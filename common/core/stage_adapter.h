@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_STAGE_ADAPTER_H_
-#define SPROUT_COMMON_CORE_STAGE_ADAPTER_H_
+#pragma once
 
 #include <optional>
 #include <string>
@@ -71,5 +70,3 @@ inline std::string AddAnswer(StageAdapter& adapter, Frame& frame) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_STAGE_ADAPTER_H_

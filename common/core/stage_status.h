@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_STAGE_STATUS_H_
-#define SPROUT_COMMON_CORE_STAGE_STATUS_H_
+#pragma once
 
 #include <cmath>
 #include <cstdint>
@@ -66,5 +65,3 @@ struct StageStatus {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_STAGE_STATUS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_TOF_COVERAGE_H_
-#define SPROUT_COMMON_CORE_TOF_COVERAGE_H_
+#pragma once
 
 #include <opencv2/core/types.hpp>
 #include <span>
@@ -25,5 +24,3 @@ inline constexpr float kUnknownCoverage = -1;
 float TofCoverage(std::span<const Seed> seeds, cv::Size size);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_TOF_COVERAGE_H_

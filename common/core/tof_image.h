@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_TOF_IMAGE_H_
-#define SPROUT_COMMON_CORE_TOF_IMAGE_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 
@@ -19,5 +18,3 @@ struct TofImage {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_TOF_IMAGE_H_

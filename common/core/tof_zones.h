@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_TOF_ZONES_H_
-#define SPROUT_COMMON_CORE_TOF_ZONES_H_
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -78,5 +77,3 @@ Result<void> CheckZoneCounts(const TofZones& zones);
 Result<void> CheckZones(const TofZones& zones);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_TOF_ZONES_H_

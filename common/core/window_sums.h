@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_CORE_WINDOW_SUMS_H_
-#define SPROUT_COMMON_CORE_WINDOW_SUMS_H_
+#pragma once
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -45,5 +44,3 @@ inline bool IsInside(double u, double v, cv::Size size, double margin) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_CORE_WINDOW_SUMS_H_

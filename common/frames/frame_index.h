@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_FRAMES_FRAME_INDEX_H_
-#define SPROUT_COMMON_FRAMES_FRAME_INDEX_H_
+#pragma once
 
 #include <array>
 #include <cstdint>
@@ -107,5 +106,3 @@ class FrameIndex {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_FRAMES_FRAME_INDEX_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_FRAMES_FRAME_JOINER_H_
-#define SPROUT_COMMON_FRAMES_FRAME_JOINER_H_
+#pragma once
 
 #include <cstdint>
 #include <deque>
@@ -100,5 +99,3 @@ class FrameJoiner {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_FRAMES_FRAME_JOINER_H_

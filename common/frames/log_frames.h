@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_FRAMES_LOG_FRAMES_H_
-#define SPROUT_COMMON_FRAMES_LOG_FRAMES_H_
+#pragma once
 
 #include <cstdint>
 #include <deque>
@@ -104,5 +103,3 @@ class WholeFrames {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_FRAMES_LOG_FRAMES_H_

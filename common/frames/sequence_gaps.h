@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_FRAMES_SEQUENCE_GAPS_H_
-#define SPROUT_COMMON_FRAMES_SEQUENCE_GAPS_H_
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -63,5 +62,3 @@ class SequenceGaps {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_FRAMES_SEQUENCE_GAPS_H_

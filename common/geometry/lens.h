@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_GEOMETRY_LENS_H_
-#define SPROUT_COMMON_GEOMETRY_LENS_H_
+#pragma once
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
@@ -35,5 +34,3 @@ struct LensFit {
 LensFit FitBrown(const Lens& lens, std::span<const double> distortion, bool is_fisheye);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_GEOMETRY_LENS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_GEOMETRY_NATIVE_RANGES_H_
-#define SPROUT_COMMON_GEOMETRY_NATIVE_RANGES_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <optional>
@@ -32,5 +31,3 @@ struct NativeRanges {
 std::optional<NativeRanges> FindNativeRanges(const TofImage& tof, const TofCamera& camera);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_GEOMETRY_NATIVE_RANGES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_GEOMETRY_PROJECTION_H_
-#define SPROUT_COMMON_GEOMETRY_PROJECTION_H_
+#pragma once
 
 #include <Eigen/Core>
 #include <vector>
@@ -84,5 +83,3 @@ class TofProjector {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_GEOMETRY_PROJECTION_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_GEOMETRY_WIDENED_FRAME_H_
-#define SPROUT_COMMON_GEOMETRY_WIDENED_FRAME_H_
+#pragma once
 
 #include <span>
 
@@ -38,5 +37,3 @@ Frame Widened(const Frame& frame, int columns);
 void Narrow(StageResult& result, int columns, cv::Size size);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_GEOMETRY_WIDENED_FRAME_H_

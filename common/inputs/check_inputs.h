@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_INPUTS_CHECK_INPUTS_H_
-#define SPROUT_COMMON_INPUTS_CHECK_INPUTS_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 
@@ -27,5 +26,3 @@ Findings CheckInputs(const cv::Mat1b& left, const cv::Mat1b& right, const TofIma
                      const RectifiedPair& pair, const TofProjector* projector);
 
 }  // namespace sprout::inputs
-
-#endif  // SPROUT_COMMON_INPUTS_CHECK_INPUTS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_INPUTS_FEATURE_MATCHES_H_
-#define SPROUT_COMMON_INPUTS_FEATURE_MATCHES_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <vector>
@@ -35,5 +34,3 @@ struct Matches {
 Matches MatchFeatures(const cv::Mat1b& left, const cv::Mat1b& right, int coarser);
 
 }  // namespace sprout::inputs
-
-#endif  // SPROUT_COMMON_INPUTS_FEATURE_MATCHES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_INPUTS_FINDINGS_H_
-#define SPROUT_COMMON_INPUTS_FINDINGS_H_
+#pragma once
 
 #include <initializer_list>
 #include <limits>
@@ -68,5 +67,3 @@ std::string BadText(const Findings& findings);
 Findings Combine(const std::vector<Findings>& frames);
 
 }  // namespace sprout::inputs
-
-#endif  // SPROUT_COMMON_INPUTS_FINDINGS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_INPUTS_JUDGE_PAIR_H_
-#define SPROUT_COMMON_INPUTS_JUDGE_PAIR_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 
@@ -20,5 +19,3 @@ Findings JudgePair(const cv::Mat1b& left, const cv::Mat1b& right, const Rectifie
                    const Matches& matches, const PairModel& model, const RangeModel* ranges);
 
 }  // namespace sprout::inputs
-
-#endif  // SPROUT_COMMON_INPUTS_JUDGE_PAIR_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_INPUTS_JUDGE_RANGES_H_
-#define SPROUT_COMMON_INPUTS_JUDGE_RANGES_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <string>
@@ -19,5 +18,3 @@ Findings JudgeRanges(const RangeModel* ranges, bool pair_fits);
 std::string MoveText(const cv::Point2d& move_px);
 
 }  // namespace sprout::inputs
-
-#endif  // SPROUT_COMMON_INPUTS_JUDGE_RANGES_H_

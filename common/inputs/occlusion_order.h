@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_INPUTS_OCCLUSION_ORDER_H_
-#define SPROUT_COMMON_INPUTS_OCCLUSION_ORDER_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 
@@ -23,5 +22,3 @@ OcclusionOrder FindOcclusionOrder(const cv::Mat1b& left, const cv::Mat1b& right,
                                   double most_px);
 
 }  // namespace sprout::inputs
-
-#endif  // SPROUT_COMMON_INPUTS_OCCLUSION_ORDER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_INPUTS_PAIR_MODEL_H_
-#define SPROUT_COMMON_INPUTS_PAIR_MODEL_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <vector>
@@ -46,5 +45,3 @@ struct PairModel {
 PairModel FitPair(const Matches& matches, cv::Size size);
 
 }  // namespace sprout::inputs
-
-#endif  // SPROUT_COMMON_INPUTS_PAIR_MODEL_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_INPUTS_POINT_GRID_H_
-#define SPROUT_COMMON_INPUTS_POINT_GRID_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <optional>
@@ -38,5 +37,3 @@ class PointGrid {
 };
 
 }  // namespace sprout::inputs
-
-#endif  // SPROUT_COMMON_INPUTS_POINT_GRID_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_INPUTS_RANGE_MODEL_H_
-#define SPROUT_COMMON_INPUTS_RANGE_MODEL_H_
+#pragma once
 
 #include <array>
 #include <opencv2/core.hpp>
@@ -96,5 +95,3 @@ RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
                          const TofProjector& projector);
 
 }  // namespace sprout::inputs
-
-#endif  // SPROUT_COMMON_INPUTS_RANGE_MODEL_H_

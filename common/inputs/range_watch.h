@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_INPUTS_RANGE_WATCH_H_
-#define SPROUT_COMMON_INPUTS_RANGE_WATCH_H_
+#pragma once
 
 #include <cstdint>
 #include <string>
@@ -32,5 +31,3 @@ class RangeWatch {
 };
 
 }  // namespace sprout::inputs
-
-#endif  // SPROUT_COMMON_INPUTS_RANGE_WATCH_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_INPUTS_REPEATED_RANGE_H_
-#define SPROUT_COMMON_INPUTS_REPEATED_RANGE_H_
+#pragma once
 
 #include "common/core/tof_image.h"
 
@@ -19,5 +18,3 @@ struct RepeatedRange {
 RepeatedRange FindRepeatedRange(const TofImage& tof);
 
 }  // namespace sprout::inputs
-
-#endif  // SPROUT_COMMON_INPUTS_REPEATED_RANGE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_LOGFILE_CHANNEL_COUNTS_H_
-#define SPROUT_COMMON_LOGFILE_CHANNEL_COUNTS_H_
+#pragma once
 
 #include <cstdint>
 #include <functional>
@@ -37,5 +36,3 @@ class ChannelCounts {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_LOGFILE_CHANNEL_COUNTS_H_

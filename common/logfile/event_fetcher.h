@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_LOGFILE_EVENT_FETCHER_H_
-#define SPROUT_COMMON_LOGFILE_EVENT_FETCHER_H_
+#pragma once
 
 #include <cstdint>
 #include <filesystem>
@@ -25,5 +24,3 @@ class EventFetcher {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_LOGFILE_EVENT_FETCHER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_LOGFILE_EVENT_FINDER_H_
-#define SPROUT_COMMON_LOGFILE_EVENT_FINDER_H_
+#pragma once
 
 #include <cstdint>
 #include <optional>
@@ -78,5 +77,3 @@ class EventFinder {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_LOGFILE_EVENT_FINDER_H_

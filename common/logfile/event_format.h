@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_LOGFILE_EVENT_FORMAT_H_
-#define SPROUT_COMMON_LOGFILE_EVENT_FORMAT_H_
+#pragma once
 
 #include <array>
 #include <cstdint>
@@ -46,5 +45,3 @@ bool IsPlausible(const EventHeader& header, std::span<const uint8_t> bytes);
 std::array<uint8_t, kHeaderBytes> EncodeHeader(const EventHeader& header);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_LOGFILE_EVENT_FORMAT_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_LOGFILE_FILE_WINDOW_H_
-#define SPROUT_COMMON_LOGFILE_FILE_WINDOW_H_
+#pragma once
 
 #include <cstdint>
 #include <filesystem>
@@ -57,5 +56,3 @@ class FileWindow {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_LOGFILE_FILE_WINDOW_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_LOGFILE_LOG_ERROR_H_
-#define SPROUT_COMMON_LOGFILE_LOG_ERROR_H_
+#pragma once
 
 #include <filesystem>
 #include <stdexcept>
@@ -20,5 +19,3 @@ class LogError : public std::runtime_error {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_LOGFILE_LOG_ERROR_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_LOGFILE_LOG_READER_H_
-#define SPROUT_COMMON_LOGFILE_LOG_READER_H_
+#pragma once
 
 #include <cstdint>
 #include <filesystem>
@@ -76,5 +75,3 @@ class LogReader {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_LOGFILE_LOG_READER_H_

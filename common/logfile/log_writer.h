@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_LOGFILE_LOG_WRITER_H_
-#define SPROUT_COMMON_LOGFILE_LOG_WRITER_H_
+#pragma once
 
 #include <cstdint>
 #include <filesystem>
@@ -45,5 +44,3 @@ class LogWriter {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_LOGFILE_LOG_WRITER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_MEASURE_EDGE_WIDTH_H_
-#define SPROUT_COMMON_MEASURE_EDGE_WIDTH_H_
+#pragma once
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -33,5 +32,3 @@ inline constexpr double kMinEdgeStepPx = 1;
 EdgeWidths MeasureEdge(const cv::Mat1f& disparity_px);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_MEASURE_EDGE_WIDTH_H_

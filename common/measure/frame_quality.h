@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_MEASURE_FRAME_QUALITY_H_
-#define SPROUT_COMMON_MEASURE_FRAME_QUALITY_H_
+#pragma once
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -82,5 +81,3 @@ std::string QualityCsvCells(const FrameQuality& quality);
 size_t CountKnown(const FrameQuality& quality);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_MEASURE_FRAME_QUALITY_H_

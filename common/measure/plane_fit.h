@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_MEASURE_PLANE_FIT_H_
-#define SPROUT_COMMON_MEASURE_PLANE_FIT_H_
+#pragma once
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -60,5 +59,3 @@ inline constexpr int64_t kMinPlanePixels = 15;
 std::optional<PlaneFit> FitPlane(const cv::Mat1f& disparity_px, cv::Point corner);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_MEASURE_PLANE_FIT_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_MEASURE_SCORE_H_
-#define SPROUT_COMMON_MEASURE_SCORE_H_
+#pragma once
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -94,5 +93,3 @@ Result<Accuracy> Score(const DisparityImage& disparity, const cv::Mat1f& truth,
                        const cv::Mat1b& mask);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_MEASURE_SCORE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_MEASURE_SPARSIFICATION_H_
-#define SPROUT_COMMON_MEASURE_SPARSIFICATION_H_
+#pragma once
 
 #include <array>
 #include <opencv2/core.hpp>
@@ -30,5 +29,3 @@ Sparsification Sparsify(const cv::Mat1f& disparity_px, const cv::Mat1f& truth,
                         const cv::Mat1b& mask, const cv::Mat1b& confidence);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_MEASURE_SPARSIFICATION_H_

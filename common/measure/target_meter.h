@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_MEASURE_TARGET_METER_H_
-#define SPROUT_COMMON_MEASURE_TARGET_METER_H_
+#pragma once
 
 #include <cstdint>
 #include <deque>
@@ -98,5 +97,3 @@ class TargetMeter {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_MEASURE_TARGET_METER_H_

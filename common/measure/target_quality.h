@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_MEASURE_TARGET_QUALITY_H_
-#define SPROUT_COMMON_MEASURE_TARGET_QUALITY_H_
+#pragma once
 
 #include <cstdint>
 #include <optional>
@@ -61,5 +60,3 @@ std::string TargetText(const TargetFigure& figure, const TargetQuality& quality)
 std::string TargetComplaint(const TargetQuality& quality);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_MEASURE_TARGET_QUALITY_H_

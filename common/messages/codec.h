@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_MESSAGES_CODEC_H_
-#define SPROUT_COMMON_MESSAGES_CODEC_H_
+#pragma once
 
 #include <cstdint>
 #include <opencv2/core/types.hpp>
@@ -53,5 +52,3 @@ Result<RigChange> DecodeRigChange(std::span<const uint8_t> bytes);
 Result<FrameId> DecodeFrameId(std::span<const uint8_t> bytes);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_MESSAGES_CODEC_H_

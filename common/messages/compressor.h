@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_MESSAGES_COMPRESSOR_H_
-#define SPROUT_COMMON_MESSAGES_COMPRESSOR_H_
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -46,5 +45,3 @@ Result<std::vector<uint8_t>> DecompressZstd(std::span<const uint8_t> data, size_
                                             const std::string& field, const std::string& pixels);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_MESSAGES_COMPRESSOR_H_

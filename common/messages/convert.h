@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_MESSAGES_CONVERT_H_
-#define SPROUT_COMMON_MESSAGES_CONVERT_H_
+#pragma once
 
 #include <lcmtypes/sprout/depth_counts_t.hpp>
 #include <lcmtypes/sprout/depth_image_t.hpp>
@@ -118,5 +117,3 @@ rig_change_t ToMessage(const RigChange& change);
 Result<RigChange> FromMessage(const rig_change_t& message);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_MESSAGES_CONVERT_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_MESSAGES_DISPARITY_CODEC_H_
-#define SPROUT_COMMON_MESSAGES_DISPARITY_CODEC_H_
+#pragma once
 
 #include <cstdint>
 #include <span>
@@ -20,5 +19,3 @@ Result<DisparityImage> DecodeRawInt16(std::span<const uint8_t> data, cv::Size si
 Result<DisparityImage> DecodeDeltaZstd(std::span<const uint8_t> data, cv::Size size);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_MESSAGES_DISPARITY_CODEC_H_

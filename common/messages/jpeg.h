@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_MESSAGES_JPEG_H_
-#define SPROUT_COMMON_MESSAGES_JPEG_H_
+#pragma once
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -43,5 +42,3 @@ inline constexpr int kPreviewQuality = 85;
 std::string WriteJpeg(const cv::Mat& picture, JpegColors colors, int quality = kPreviewQuality);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_MESSAGES_JPEG_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_MESSAGES_MESSAGE_TYPE_H_
-#define SPROUT_COMMON_MESSAGES_MESSAGE_TYPE_H_
+#pragma once
 
 #include <cstdint>
 #include <optional>
@@ -60,5 +59,3 @@ struct DecodedMessage {
 Result<DecodedMessage> DecodeAs(MessageType type, std::span<const uint8_t> bytes);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_MESSAGES_MESSAGE_TYPE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_MESSAGES_PACKED_H_
-#define SPROUT_COMMON_MESSAGES_PACKED_H_
+#pragma once
 
 #include <cstdint>
 #include <memory>
@@ -49,5 +48,3 @@ Result<std::vector<uint8_t>> Unpack(std::span<const uint8_t> message,
                                     std::optional<cv::Size> expected = std::nullopt);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_MESSAGES_PACKED_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_MESSAGES_PACKED_LAYOUT_H_
-#define SPROUT_COMMON_MESSAGES_PACKED_LAYOUT_H_
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -41,5 +40,3 @@ std::optional<size_t> EndOfHeader(std::span<const uint8_t> message);
 std::optional<int32_t> Int32At(std::span<const uint8_t> bytes, size_t offset);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_MESSAGES_PACKED_LAYOUT_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_MESSAGES_PIXEL_PREDICTION_H_
-#define SPROUT_COMMON_MESSAGES_PIXEL_PREDICTION_H_
+#pragma once
 
 #include <array>
 #include <cstddef>
@@ -38,5 +37,3 @@ class PixelPredictor {
 bool Reconstruct(std::span<const ClassedErrors> errors, size_t width, std::span<uint8_t> pixels);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_MESSAGES_PIXEL_PREDICTION_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_MESSAGES_POSE_FIELDS_H_
-#define SPROUT_COMMON_MESSAGES_POSE_FIELDS_H_
+#pragma once
 
 #include <algorithm>
 
@@ -23,5 +22,3 @@ inline Pose PoseOf(const double (&rotation)[4], const double (&translation_m)[3]
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_MESSAGES_POSE_FIELDS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_MESSAGES_PREVIEW_H_
-#define SPROUT_COMMON_MESSAGES_PREVIEW_H_
+#pragma once
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -35,5 +34,3 @@ bool IsScan(std::span<const uint8_t> bytes);
 inline constexpr const char* kScanType = "bot_core.planar_lidar_t";
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_MESSAGES_PREVIEW_H_

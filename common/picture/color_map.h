@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_PICTURE_COLOR_MAP_H_
-#define SPROUT_COMMON_PICTURE_COLOR_MAP_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <optional>
@@ -74,5 +73,3 @@ ValueRange DepthRange(const TofImage& tof);
 cv::Mat1f ReturnsOnly(const cv::Mat1f& depth_m);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_PICTURE_COLOR_MAP_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_PICTURE_COLOR_SCALE_H_
-#define SPROUT_COMMON_PICTURE_COLOR_SCALE_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <string>
@@ -87,5 +86,3 @@ class ColorScale {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_PICTURE_COLOR_SCALE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_PICTURE_EIGHT_BITS_H_
-#define SPROUT_COMMON_PICTURE_EIGHT_BITS_H_
+#pragma once
 
 #include <initializer_list>
 #include <opencv2/core.hpp>
@@ -54,5 +53,3 @@ class EightBits {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_PICTURE_EIGHT_BITS_H_

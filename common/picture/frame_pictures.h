@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_PICTURE_FRAME_PICTURES_H_
-#define SPROUT_COMMON_PICTURE_FRAME_PICTURES_H_
+#pragma once
 
 #include <filesystem>
 #include <functional>
@@ -46,5 +45,3 @@ cv::Mat3b CloudView(const RectifiedPair& pair, const DisparityImage& disparity,
                     const cv::Mat& left);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_PICTURE_FRAME_PICTURES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_PICTURE_HTML_H_
-#define SPROUT_COMMON_PICTURE_HTML_H_
+#pragma once
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -60,5 +59,3 @@ struct LinePlot {
 std::string PlotsSvg(const std::vector<std::vector<LinePlot>>& rows);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_PICTURE_HTML_H_

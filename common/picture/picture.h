@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_PICTURE_PICTURE_H_
-#define SPROUT_COMMON_PICTURE_PICTURE_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <span>
@@ -71,5 +70,3 @@ cv::Mat3b SeedPicture(const cv::Mat& left, std::span<const Seed> seeds, const Va
                       const std::string& title, const RectifiedPair* pair = nullptr);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_PICTURE_PICTURE_H_

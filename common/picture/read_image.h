@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_PICTURE_READ_IMAGE_H_
-#define SPROUT_COMMON_PICTURE_READ_IMAGE_H_
+#pragma once
 
 #include <filesystem>
 #include <initializer_list>
@@ -40,5 +39,3 @@ struct CameraImage {
 Result<CameraImage> ReadCameraImage(const std::filesystem::path& path);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_PICTURE_READ_IMAGE_H_

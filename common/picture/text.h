@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_PICTURE_TEXT_H_
-#define SPROUT_COMMON_PICTURE_TEXT_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <string>
@@ -17,5 +16,3 @@ void DrawText(cv::Mat3b& picture, const std::string& text, cv::Point baseline_le
               const cv::Vec3b& color);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_PICTURE_TEXT_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_PICTURE_WRITE_IMAGE_H_
-#define SPROUT_COMMON_PICTURE_WRITE_IMAGE_H_
+#pragma once
 
 #include <filesystem>
 #include <opencv2/core.hpp>
@@ -33,5 +32,3 @@ inline constexpr double kMaxPngDepthM = 65.535;
                                     const DisparityImage& disparity);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_PICTURE_WRITE_IMAGE_H_

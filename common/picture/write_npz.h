@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_PICTURE_WRITE_NPZ_H_
-#define SPROUT_COMMON_PICTURE_WRITE_NPZ_H_
+#pragma once
 
 #include <cstddef>
 #include <filesystem>
@@ -34,5 +33,3 @@ NpzArray NpzOf(const std::string& name, int64_t number);
                                     const std::vector<NpzArray>& arrays);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_PICTURE_WRITE_NPZ_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_PICTURE_WRITE_PLY_H_
-#define SPROUT_COMMON_PICTURE_WRITE_PLY_H_
+#pragma once
 
 #include <filesystem>
 #include <opencv2/core.hpp>
@@ -37,5 +36,3 @@ inline constexpr double kMaxMeshJumpPx = 2;
                                         const cv::Mat& left, const cv::Mat& confidence = {});
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_PICTURE_WRITE_PLY_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_RIG_BILINEAR_REMAP_H_
-#define SPROUT_COMMON_RIG_BILINEAR_REMAP_H_
+#pragma once
 
 #include <array>
 #include <cstdint>
@@ -44,5 +43,3 @@ class BilinearRemap {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_RIG_BILINEAR_REMAP_H_

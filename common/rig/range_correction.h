@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_RIG_RANGE_CORRECTION_H_
-#define SPROUT_COMMON_RIG_RANGE_CORRECTION_H_
+#pragma once
 
 #include <span>
 #include <string>
@@ -52,5 +51,3 @@ void CheckCorrection(Checks& checks, const std::string& name,
                      const AmplitudeCorrection& correction);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_RIG_RANGE_CORRECTION_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_RIG_RAW_RIG_H_
-#define SPROUT_COMMON_RIG_RAW_RIG_H_
+#pragma once
 
 #include <string>
 
@@ -49,5 +48,3 @@ void CheckCamera(Checks& checks, const std::string& name, const Lens& lens);
 void CheckPose(Checks& checks, const std::string& name, const Pose& pose);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_RIG_RAW_RIG_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_RIG_RECTIFICATION_H_
-#define SPROUT_COMMON_RIG_RECTIFICATION_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <string>
@@ -50,5 +49,3 @@ RectifiedViews ViewsOf(const RawRig& rig, const Rectification& rectification);
 std::string ViewsWarning(const RectifiedViews& views);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_RIG_RECTIFICATION_H_

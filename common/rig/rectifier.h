@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_RIG_RECTIFIER_H_
-#define SPROUT_COMMON_RIG_RECTIFIER_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 
@@ -54,5 +53,3 @@ class Rectifier {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_RIG_RECTIFIER_H_

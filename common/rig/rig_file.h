@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_RIG_RIG_FILE_H_
-#define SPROUT_COMMON_RIG_RIG_FILE_H_
+#pragma once
 
 #include <filesystem>
 #include <map>
@@ -61,5 +60,3 @@ RigPlaces PlacesOf(const RigDescription& rig, const std::filesystem::path& path)
 RigCalibration ToCalibration(const RawRig& rig);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_RIG_RIG_FILE_H_

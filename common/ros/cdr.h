@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_ROS_CDR_H_
-#define SPROUT_COMMON_ROS_CDR_H_
+#pragma once
 
 #include <cstdint>
 #include <memory>
@@ -118,5 +117,3 @@ Result<RosMessage<T>> ReadCdr(std::span<const uint8_t> bytes) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_ROS_CDR_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_ROS_CHUNK_CODEC_H_
-#define SPROUT_COMMON_ROS_CHUNK_CODEC_H_
+#pragma once
 
 #include <cstdint>
 #include <memory>
@@ -52,5 +51,3 @@ bool IsZstd(std::span<const uint8_t> bytes);
 Result<McapBytes> UnpackMessage(std::span<const uint8_t> packed);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_ROS_CHUNK_CODEC_H_

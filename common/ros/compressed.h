@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_ROS_COMPRESSED_H_
-#define SPROUT_COMMON_ROS_COMPRESSED_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 
@@ -19,5 +18,3 @@ RosMessage<RosCompressedImage> ToRosJpeg(const RosPlace& place, const cv::Mat& p
 RosMessage<RosCompressedImage> ToRosCompressedDepth(const RosPlace& place, const DepthImage& depth);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_ROS_COMPRESSED_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_ROS_FRAME_TOPICS_H_
-#define SPROUT_COMMON_ROS_FRAME_TOPICS_H_
+#pragma once
 
 #include <memory>
 #include <span>
@@ -60,5 +59,3 @@ std::unique_ptr<AnyRosMessage> ToRos(RosTopic topic, const FrameId& id, const Pa
                                      const Rig* rig, const RosTopicOptions& options);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_ROS_FRAME_TOPICS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_ROS_FROM_ROS_H_
-#define SPROUT_COMMON_ROS_FROM_ROS_H_
+#pragma once
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -97,5 +96,3 @@ Result<RosPose> FromRosTransform(const RosTransform& ros);
 Result<cv::Mat> ToPicture(const cv::Mat& stored, std::string_view encoding);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_ROS_FROM_ROS_H_

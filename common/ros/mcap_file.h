@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_ROS_MCAP_FILE_H_
-#define SPROUT_COMMON_ROS_MCAP_FILE_H_
+#pragma once
 
 #include <cstdint>
 #include <filesystem>
@@ -98,5 +97,3 @@ class McapFile {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_ROS_MCAP_FILE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_ROS_MCAP_FORMAT_H_
-#define SPROUT_COMMON_ROS_MCAP_FORMAT_H_
+#pragma once
 
 #include <bit>
 #include <cstdint>
@@ -132,5 +131,3 @@ Result<McapChannel> ReadChannel(std::span<const uint8_t> content);
 uint32_t Crc32(uint32_t crc, std::span<const uint8_t> bytes);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_ROS_MCAP_FORMAT_H_

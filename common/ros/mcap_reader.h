@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_ROS_MCAP_READER_H_
-#define SPROUT_COMMON_ROS_MCAP_READER_H_
+#pragma once
 
 #include <cstdint>
 #include <deque>
@@ -127,5 +126,3 @@ std::vector<std::filesystem::path> McapParts(std::string_view bag);
 std::string OtherBag(std::span<const uint8_t> begin);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_ROS_MCAP_READER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_ROS_MCAP_WRITER_H_
-#define SPROUT_COMMON_ROS_MCAP_WRITER_H_
+#pragma once
 
 #include <cstdint>
 #include <filesystem>
@@ -90,5 +89,3 @@ class McapWriter {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_ROS_MCAP_WRITER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_ROS_ROS_NODE_H_
-#define SPROUT_COMMON_ROS_ROS_NODE_H_
+#pragma once
 
 #include <atomic>
 #include <chrono>
@@ -154,5 +153,3 @@ class RosNode {
 std::string CycloneConfig(uint32_t max_message_bytes);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_ROS_ROS_NODE_H_

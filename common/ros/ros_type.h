@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_ROS_ROS_TYPE_H_
-#define SPROUT_COMMON_ROS_ROS_TYPE_H_
+#pragma once
 
 #include <dds/ddsc/dds_public_impl.h>
 
@@ -74,5 +73,3 @@ std::span<const RosType* const> RosTypes();
 std::string RosSchema(const RosType& type);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_ROS_ROS_TYPE_H_

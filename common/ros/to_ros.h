@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_ROS_TO_ROS_H_
-#define SPROUT_COMMON_ROS_TO_ROS_H_
+#pragma once
 
 #include <cstdint>
 #include <map>
@@ -89,5 +88,3 @@ RosMessage<RosDiagnostics> ToRosDiagnostics(int64_t utime,
                                             const std::map<std::string, RosHealth>& processes);
 
 }  // namespace sprout
-
-#endif  // SPROUT_COMMON_ROS_TO_ROS_H_

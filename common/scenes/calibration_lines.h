@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_SCENES_CALIBRATION_LINES_H_
-#define SPROUT_COMMON_SCENES_CALIBRATION_LINES_H_
+#pragma once
 
 #include <cmath>
 #include <filesystem>
@@ -85,5 +84,3 @@ inline bool AreRectified(const RectifiedLens& left, const RectifiedLens& right) 
 }
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_COMMON_SCENES_CALIBRATION_LINES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_SCENES_DATASET_H_
-#define SPROUT_COMMON_SCENES_DATASET_H_
+#pragma once
 
 #include <cstdint>
 #include <memory>
@@ -63,5 +62,3 @@ std::unique_ptr<Dataset> OpenDataset(const CaptureConfig& config);
 std::unique_ptr<FrameSource> PlayDataset(std::unique_ptr<Dataset> dataset, bool loop);
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_COMMON_SCENES_DATASET_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_SCENES_FRAME_SOURCE_H_
-#define SPROUT_COMMON_SCENES_FRAME_SOURCE_H_
+#pragma once
 
 #include <cstdint>
 #include <functional>
@@ -79,5 +78,3 @@ class FrameSource : public TripletSource {
 };
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_COMMON_SCENES_FRAME_SOURCE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_SCENES_KITTI_CALIBRATION_H_
-#define SPROUT_COMMON_SCENES_KITTI_CALIBRATION_H_
+#pragma once
 
 #include <Eigen/Geometry>
 #include <filesystem>
@@ -55,5 +54,3 @@ KittiCalibration ReadKittiRawCalibration(const std::filesystem::path& folder, cv
                                          bool grey);
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_COMMON_SCENES_KITTI_CALIBRATION_H_

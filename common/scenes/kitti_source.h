@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_SCENES_KITTI_SOURCE_H_
-#define SPROUT_COMMON_SCENES_KITTI_SOURCE_H_
+#pragma once
 
 #include <memory>
 #include <string>
@@ -41,5 +40,3 @@ std::unique_ptr<Dataset> OpenKitti(const std::string& place, const CaptureConfig
 std::vector<std::string> KittiPlaces(const std::string& place);
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_COMMON_SCENES_KITTI_SOURCE_H_

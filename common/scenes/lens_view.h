@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_SCENES_LENS_VIEW_H_
-#define SPROUT_COMMON_SCENES_LENS_VIEW_H_
+#pragma once
 
 #include <Eigen/Geometry>
 #include <functional>
@@ -60,5 +59,3 @@ struct Footprint {
 std::vector<Footprint> FootprintsOf(const TofSamples& samples, double footprint_px);
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_COMMON_SCENES_LENS_VIEW_H_

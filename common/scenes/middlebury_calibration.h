@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_SCENES_MIDDLEBURY_CALIBRATION_H_
-#define SPROUT_COMMON_SCENES_MIDDLEBURY_CALIBRATION_H_
+#pragma once
 
 #include <filesystem>
 #include <memory>
@@ -59,5 +58,3 @@ PairCalibration OpenCalibFile(const std::filesystem::path& path);
 std::unique_ptr<Dataset> OpenMiddlebury(const std::string& folder, const CaptureConfig& config);
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_COMMON_SCENES_MIDDLEBURY_CALIBRATION_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_SCENES_PFM_H_
-#define SPROUT_COMMON_SCENES_PFM_H_
+#pragma once
 
 #include <filesystem>
 #include <opencv2/core.hpp>
@@ -46,5 +45,3 @@ Result<cv::Mat1f> ReadRangeFile(const std::filesystem::path& path,
                                 std::optional<double> unit_m = {});
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_COMMON_SCENES_PFM_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_SCENES_RANGE_ERRORS_H_
-#define SPROUT_COMMON_SCENES_RANGE_ERRORS_H_
+#pragma once
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -34,5 +33,3 @@ Eigen::Isometry3d TurnedScanner(const Eigen::Isometry3d& left_from_scanner,
                                 const RangeErrorsConfig& config);
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_COMMON_SCENES_RANGE_ERRORS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_SCENES_SAME_PICTURE_H_
-#define SPROUT_COMMON_SCENES_SAME_PICTURE_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 
@@ -10,5 +9,3 @@ namespace sprout::scenes {
 bool IsSamePicture(const cv::Mat& a, const cv::Mat& b);
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_COMMON_SCENES_SAME_PICTURE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_SCENES_SOLID_TEXTURE_H_
-#define SPROUT_COMMON_SCENES_SOLID_TEXTURE_H_
+#pragma once
 
 #include <cstdint>
 
@@ -46,5 +45,3 @@ inline double NormalDeviate(uint64_t key) {
 }
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_COMMON_SCENES_SOLID_TEXTURE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_SCENES_SOURCE_OPTIONS_H_
-#define SPROUT_COMMON_SCENES_SOURCE_OPTIONS_H_
+#pragma once
 
 #include <string>
 #include <string_view>
@@ -71,5 +70,3 @@ inline constexpr std::string_view kScanOptions =
 bool ApplyRangeErrorOption(const SourceOption& option, bool is_scan, RangeErrorsConfig& config);
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_COMMON_SCENES_SOURCE_OPTIONS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_SCENES_SR4000_H_
-#define SPROUT_COMMON_SCENES_SR4000_H_
+#pragma once
 
 #include <cstdint>
 #include <span>
@@ -78,5 +77,3 @@ class Sr4000 {
 };
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_COMMON_SCENES_SR4000_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_SCENES_STRAY_LIGHT_H_
-#define SPROUT_COMMON_SCENES_STRAY_LIGHT_H_
+#pragma once
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
@@ -58,5 +57,3 @@ inline Phasor Product(const Phasor& a, const Phasor& b) {
 double TurnsOf(const Phasor& phasor);
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_COMMON_SCENES_STRAY_LIGHT_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_SCENES_SURFACE_RENDERER_H_
-#define SPROUT_COMMON_SCENES_SURFACE_RENDERER_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 
@@ -27,5 +26,3 @@ TofSamples RenderSurface(const Rig& rig, const GroundTruth& truth, const cv::Mat
                          const cv::Mat1b& right);
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_COMMON_SCENES_SURFACE_RENDERER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_SCENES_SYNTHETIC_SCENE_H_
-#define SPROUT_COMMON_SCENES_SYNTHETIC_SCENE_H_
+#pragma once
 
 #include <cstdint>
 #include <memory>
@@ -99,5 +98,3 @@ inline constexpr int kMaxSyntheticSide = kMaxSide;  ///< px: a frame takes 16 by
 std::unique_ptr<Dataset> OpenSynthetic(cv::Size size, const CaptureConfig& config);
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_COMMON_SCENES_SYNTHETIC_SCENE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_SCENES_TOF_GRID_H_
-#define SPROUT_COMMON_SCENES_TOF_GRID_H_
+#pragma once
 
 #include <limits>
 #include <opencv2/core.hpp>
@@ -50,5 +49,3 @@ inline constexpr double kAimDisparityPerWidth = 0.08;
 inline constexpr double kAboveM = 0.02;
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_COMMON_SCENES_TOF_GRID_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_SCENES_VELODYNE_SCAN_H_
-#define SPROUT_COMMON_SCENES_VELODYNE_SCAN_H_
+#pragma once
 
 #include <Eigen/Geometry>
 #include <filesystem>
@@ -38,5 +37,3 @@ TofImage TofImageFromScan(const std::vector<Eigen::Vector3d>& points,
                           const Eigen::Isometry3d& left_from_scanner, const RectifiedPair& pair);
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_COMMON_SCENES_VELODYNE_SCAN_H_

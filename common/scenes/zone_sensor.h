@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_SCENES_ZONE_SENSOR_H_
-#define SPROUT_COMMON_SCENES_ZONE_SENSOR_H_
+#pragma once
 
 #include <cstdint>
 
@@ -40,5 +39,3 @@ class ZoneSensor {
 };
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_COMMON_SCENES_ZONE_SENSOR_H_

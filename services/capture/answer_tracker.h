@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_ANSWER_TRACKER_H_
-#define SPROUT_SERVICES_CAPTURE_ANSWER_TRACKER_H_
+#pragma once
 
 #include <chrono>
 #include <condition_variable>
@@ -101,5 +100,3 @@ class Pace {
 };
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_ANSWER_TRACKER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_CAPTURE_FEED_H_
-#define SPROUT_SERVICES_CAPTURE_CAPTURE_FEED_H_
+#pragma once
 
 #include <cstdint>
 #include <memory>
@@ -69,5 +68,3 @@ std::unique_ptr<CaptureFeed> OpenCaptureFeed(const CaptureConfig& config,
                                              const FeedOptions& options, StageMonitor& monitor);
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_CAPTURE_FEED_H_

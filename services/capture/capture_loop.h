@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_CAPTURE_LOOP_H_
-#define SPROUT_SERVICES_CAPTURE_CAPTURE_LOOP_H_
+#pragma once
 
 #include <chrono>
 #include <cstdint>
@@ -31,5 +30,3 @@ struct CaptureOptions {
 int RunCapture(const ServiceContext& context, const CaptureOptions& options);
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_CAPTURE_LOOP_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_CURRENT_RIG_H_
-#define SPROUT_SERVICES_CAPTURE_CURRENT_RIG_H_
+#pragma once
 
 #include <filesystem>
 #include <memory>
@@ -57,5 +56,3 @@ class CurrentRig {
 };
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_CURRENT_RIG_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_FROZEN_WATCH_H_
-#define SPROUT_SERVICES_CAPTURE_FROZEN_WATCH_H_
+#pragma once
 
 #include <array>
 #include <string>
@@ -38,5 +37,3 @@ class FrozenWatch {
 };
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_FROZEN_WATCH_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_IMAGE_ENCODER_H_
-#define SPROUT_SERVICES_CAPTURE_IMAGE_ENCODER_H_
+#pragma once
 
 #include "common/config/config.h"
 #include "common/messages/compressor.h"
@@ -22,5 +21,3 @@ class ImageEncoder {
 };
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_IMAGE_ENCODER_H_

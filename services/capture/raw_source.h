@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_RAW_SOURCE_H_
-#define SPROUT_SERVICES_CAPTURE_RAW_SOURCE_H_
+#pragma once
 
 #include <memory>
 #include <string>
@@ -51,5 +50,3 @@ OpenedCameras OpenCameras(const std::string& source, bool loop, scenes::Waiting 
                           bool calibrated = true);
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_RAW_SOURCE_H_

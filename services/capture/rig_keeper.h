@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_RIG_KEEPER_H_
-#define SPROUT_SERVICES_CAPTURE_RIG_KEEPER_H_
+#pragma once
 
 #include <chrono>
 #include <filesystem>
@@ -47,5 +46,3 @@ class RigKeeper {
 };
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_RIG_KEEPER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_SOURCE_FEED_H_
-#define SPROUT_SERVICES_CAPTURE_SOURCE_FEED_H_
+#pragma once
 
 #include <functional>
 #include <memory>
@@ -50,5 +49,3 @@ std::unique_ptr<CaptureFeed> OpenRawLogFeed(const std::string& path, const std::
                                             StageMonitor& monitor);
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_SOURCE_FEED_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_VIDEO_PICTURES_H_
-#define SPROUT_SERVICES_CAPTURE_VIDEO_PICTURES_H_
+#pragma once
 
 #include <chrono>
 #include <cstdint>
@@ -65,5 +64,3 @@ bool GrabNewest(Pictures& pictures);
 bool IsDevice(const std::string& place);
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_VIDEO_PICTURES_H_

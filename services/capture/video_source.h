@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_VIDEO_SOURCE_H_
-#define SPROUT_SERVICES_CAPTURE_VIDEO_SOURCE_H_
+#pragma once
 
 #include <memory>
 #include <string>
@@ -31,5 +30,3 @@ struct VideoSettings {
 std::unique_ptr<RawSource> OpenVideo(const VideoSettings& settings);
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_VIDEO_SOURCE_H_

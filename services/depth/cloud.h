@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_DEPTH_CLOUD_H_
-#define SPROUT_SERVICES_DEPTH_CLOUD_H_
+#pragma once
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -73,5 +72,3 @@ PointCloud Moved(PointCloud cloud, const Pose& other_from_left);
 cv::Vec3b ColourAt(const cv::Mat& image, int u, int v);
 
 }  // namespace sprout::depth
-
-#endif  // SPROUT_SERVICES_DEPTH_CLOUD_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_DEPTH_DEPTH_ADAPTER_H_
-#define SPROUT_SERVICES_DEPTH_DEPTH_ADAPTER_H_
+#pragma once
 
 #include <optional>
 
@@ -59,5 +58,3 @@ class DepthAdapter : public StageAdapter {
 };
 
 }  // namespace sprout::depth
-
-#endif  // SPROUT_SERVICES_DEPTH_DEPTH_ADAPTER_H_

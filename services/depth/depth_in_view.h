@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_DEPTH_DEPTH_IN_VIEW_H_
-#define SPROUT_SERVICES_DEPTH_DEPTH_IN_VIEW_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 
@@ -50,5 +49,3 @@ PointCloud CloudInView(const DepthImage& depth, const View& view, const Rectifie
                        const CloudThinning& thinning);
 
 }  // namespace sprout::depth
-
-#endif  // SPROUT_SERVICES_DEPTH_DEPTH_IN_VIEW_H_

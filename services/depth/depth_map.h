@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_DEPTH_DEPTH_MAP_H_
-#define SPROUT_SERVICES_DEPTH_DEPTH_MAP_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 
@@ -39,5 +38,3 @@ DepthImage DepthSigmaOf(const DepthImage& depth, const DisparityImage& disparity
                         const cv::Mat1b& sigma, const RectifiedPair& pair, int scale);
 
 }  // namespace sprout::depth
-
-#endif  // SPROUT_SERVICES_DEPTH_DEPTH_MAP_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_DEPTH_FLYING_H_
-#define SPROUT_SERVICES_DEPTH_FLYING_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 
@@ -26,5 +25,3 @@ struct FlyingRule {
 cv::Mat1b FindFlying(const DisparityImage& map, const FlyingRule& rule = {});
 
 }  // namespace sprout::depth
-
-#endif  // SPROUT_SERVICES_DEPTH_FLYING_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_DEPTH_MAP_FILTER_H_
-#define SPROUT_SERVICES_DEPTH_MAP_FILTER_H_
+#pragma once
 
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
@@ -66,5 +65,3 @@ bool HasBox(const DepthConfig& config);
 void RequireOrder(const char* low_name, double low, const char* high_name, double high);
 
 }  // namespace sprout::depth
-
-#endif  // SPROUT_SERVICES_DEPTH_MAP_FILTER_H_

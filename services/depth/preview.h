@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_DEPTH_PREVIEW_H_
-#define SPROUT_SERVICES_DEPTH_PREVIEW_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 
@@ -22,5 +21,3 @@ cv::Mat3b PreviewOf(const cv::Mat& left, const DisparityImage& disparity,
                     const RectifiedPair& pair);
 
 }  // namespace sprout::depth
-
-#endif  // SPROUT_SERVICES_DEPTH_PREVIEW_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_DEPTH_RAYS_H_
-#define SPROUT_SERVICES_DEPTH_RAYS_H_
+#pragma once
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -54,5 +53,3 @@ class DepthOfCounts {
 };
 
 }  // namespace sprout::depth
-
-#endif  // SPROUT_SERVICES_DEPTH_RAYS_H_

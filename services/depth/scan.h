@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_DEPTH_SCAN_H_
-#define SPROUT_SERVICES_DEPTH_SCAN_H_
+#pragma once
 
 #include "common/core/disparity_image.h"
 #include "common/core/planar_scan.h"
@@ -34,5 +33,3 @@ Result<PlanarScan> ScanOf(const DisparityImage& map, const RectifiedPair& pair,
                           const Pose& base_from_left, const ScanBand& band);
 
 }  // namespace sprout::depth
-
-#endif  // SPROUT_SERVICES_DEPTH_SCAN_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_DEPTH_VIEW_KERNEL_H_
-#define SPROUT_SERVICES_DEPTH_VIEW_KERNEL_H_
+#pragma once
 
 #include <array>
 #include <cstddef>
@@ -61,5 +60,3 @@ void FindBorders(const ProjectedRow& row, const std::vector<uint8_t>& above,
 void KeepSmaller(const uint16_t* other, size_t count, uint16_t* kept);
 
 }  // namespace sprout::depth
-
-#endif  // SPROUT_SERVICES_DEPTH_VIEW_KERNEL_H_

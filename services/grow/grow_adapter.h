@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_GROW_GROW_ADAPTER_H_
-#define SPROUT_SERVICES_GROW_GROW_ADAPTER_H_
+#pragma once
 
 #include <string>
 #include <vector>
@@ -55,5 +54,3 @@ class GrowAdapter : public StageAdapter {
 };
 
 }  // namespace sprout::grow
-
-#endif  // SPROUT_SERVICES_GROW_GROW_ADAPTER_H_

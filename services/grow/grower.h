@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_GROW_GROWER_H_
-#define SPROUT_SERVICES_GROW_GROWER_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <span>
@@ -65,5 +64,3 @@ class Grower {
 };
 
 }  // namespace sprout::grow
-
-#endif  // SPROUT_SERVICES_GROW_GROWER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PIPELINE_CHAIN_H_
-#define SPROUT_SERVICES_PIPELINE_CHAIN_H_
+#pragma once
 
 #include <optional>
 #include <string>
@@ -76,5 +75,3 @@ class Chain {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_SERVICES_PIPELINE_CHAIN_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PIPELINE_PIPELINE_H_
-#define SPROUT_SERVICES_PIPELINE_PIPELINE_H_
+#pragma once
 
 #include <cstdint>
 #include <memory>
@@ -121,5 +120,3 @@ class Pipeline {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_SERVICES_PIPELINE_PIPELINE_H_

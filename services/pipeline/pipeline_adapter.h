@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PIPELINE_PIPELINE_ADAPTER_H_
-#define SPROUT_SERVICES_PIPELINE_PIPELINE_ADAPTER_H_
+#pragma once
 
 #include "common/config/config.h"
 #include "common/core/stage_adapter.h"
@@ -38,5 +37,3 @@ class PipelineAdapter : public StageAdapter {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_SERVICES_PIPELINE_PIPELINE_ADAPTER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PRIOR_PRIOR_ADAPTER_H_
-#define SPROUT_SERVICES_PRIOR_PRIOR_ADAPTER_H_
+#pragma once
 
 #include <span>
 #include <vector>
@@ -36,5 +35,3 @@ class PriorAdapter : public StageAdapter {
 };
 
 }  // namespace sprout::prior
-
-#endif  // SPROUT_SERVICES_PRIOR_PRIOR_ADAPTER_H_

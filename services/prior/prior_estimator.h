@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PRIOR_PRIOR_ESTIMATOR_H_
-#define SPROUT_SERVICES_PRIOR_PRIOR_ESTIMATOR_H_
+#pragma once
 
 #include <memory>
 #include <opencv2/core.hpp>
@@ -65,5 +64,3 @@ class PriorEstimator {
 };
 
 }  // namespace sprout::prior
-
-#endif  // SPROUT_SERVICES_PRIOR_PRIOR_ESTIMATOR_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PYTHON_ARRAYS_H_
-#define SPROUT_SERVICES_PYTHON_ARRAYS_H_
+#pragma once
 
 #include <pybind11/numpy.h>
 
@@ -80,5 +79,3 @@ py::array ToArray(const std::vector<Seed>& seeds);
 py::object SigmaArray(const cv::Mat1b& counts);
 
 }  // namespace sprout::python
-
-#endif  // SPROUT_SERVICES_PYTHON_ARRAYS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PYTHON_BINDINGS_H_
-#define SPROUT_SERVICES_PYTHON_BINDINGS_H_
+#pragma once
 
 #include <pybind11/pybind11.h>
 
@@ -108,5 +107,3 @@ class SignalCheck {
 };
 
 }  // namespace sprout::python
-
-#endif  // SPROUT_SERVICES_PYTHON_BINDINGS_H_

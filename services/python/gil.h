@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PYTHON_GIL_H_
-#define SPROUT_SERVICES_PYTHON_GIL_H_
+#pragma once
 
 #include <pybind11/pybind11.h>
 
@@ -42,5 +41,3 @@ bool IsEnding();
 void WatchForTheEnd();
 
 }  // namespace sprout::python
-
-#endif  // SPROUT_SERVICES_PYTHON_GIL_H_

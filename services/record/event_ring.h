@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_RECORD_EVENT_RING_H_
-#define SPROUT_SERVICES_RECORD_EVENT_RING_H_
+#pragma once
 
 #include <chrono>
 #include <condition_variable>
@@ -103,5 +102,3 @@ class EventQueue {
 };
 
 }  // namespace sprout::record
-
-#endif  // SPROUT_SERVICES_RECORD_EVENT_RING_H_

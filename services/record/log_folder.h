@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_RECORD_LOG_FOLDER_H_
-#define SPROUT_SERVICES_RECORD_LOG_FOLDER_H_
+#pragma once
 
 #include <cstdint>
 #include <filesystem>
@@ -115,5 +114,3 @@ class LogFolder {
 std::optional<int64_t> RecordingNumber(const std::filesystem::path& path);
 
 }  // namespace sprout::record
-
-#endif  // SPROUT_SERVICES_RECORD_LOG_FOLDER_H_

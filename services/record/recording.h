@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_RECORD_RECORDING_H_
-#define SPROUT_SERVICES_RECORD_RECORDING_H_
+#pragma once
 
 #include <atomic>
 #include <cstdint>
@@ -156,5 +155,3 @@ class Recording {
 };
 
 }  // namespace sprout::record
-
-#endif  // SPROUT_SERVICES_RECORD_RECORDING_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_REFINE_ADAPTER_H_
-#define SPROUT_SERVICES_REFINE_REFINE_ADAPTER_H_
+#pragma once
 
 #include <array>
 #include <optional>
@@ -92,5 +91,3 @@ class RefineAdapter : public StageAdapter {
 };
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_REFINE_ADAPTER_H_

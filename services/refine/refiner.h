@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_REFINER_H_
-#define SPROUT_SERVICES_REFINE_REFINER_H_
+#pragma once
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -163,5 +162,3 @@ class Refiner {
 };
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_REFINER_H_

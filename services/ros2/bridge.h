@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_ROS2_BRIDGE_H_
-#define SPROUT_SERVICES_ROS2_BRIDGE_H_
+#pragma once
 
 #include <chrono>
 #include <cstdint>
@@ -92,5 +91,3 @@ class Bridge {
 };
 
 }  // namespace sprout::ros2
-
-#endif  // SPROUT_SERVICES_ROS2_BRIDGE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_SELFCALIBRATE_RIG_WATCH_H_
-#define SPROUT_SERVICES_SELFCALIBRATE_RIG_WATCH_H_
+#pragma once
 
 #include <optional>
 #include <string>
@@ -72,5 +71,3 @@ class RigWatch {
 };
 
 }  // namespace sprout::selfcalibrate
-
-#endif  // SPROUT_SERVICES_SELFCALIBRATE_RIG_WATCH_H_

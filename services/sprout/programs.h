@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_SPROUT_PROGRAMS_H_
-#define SPROUT_SERVICES_SPROUT_PROGRAMS_H_
+#pragma once
 
 #include <span>
 
@@ -23,5 +22,3 @@ struct LeftOutProgram {
 std::span<const LeftOutProgram> LeftOutPrograms();
 
 }  // namespace sprout
-
-#endif  // SPROUT_SERVICES_SPROUT_PROGRAMS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TEMPORAL_CONFIDENCE_SCALE_H_
-#define SPROUT_SERVICES_TEMPORAL_CONFIDENCE_SCALE_H_
+#pragma once
 
 #include <array>
 #include <bit>
@@ -32,5 +31,3 @@ class ConfidenceScale {
 };
 
 }  // namespace sprout::temporal
-
-#endif  // SPROUT_SERVICES_TEMPORAL_CONFIDENCE_SCALE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TEMPORAL_FUSION_KERNEL_H_
-#define SPROUT_SERVICES_TEMPORAL_FUSION_KERNEL_H_
+#pragma once
 
 #include <array>
 #include <cstddef>
@@ -73,5 +72,3 @@ struct FusionRow {
 void FuseRow(const Memory& memory, const FusionRule& rule, const FusionRow& row);
 
 }  // namespace sprout::temporal
-
-#endif  // SPROUT_SERVICES_TEMPORAL_FUSION_KERNEL_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TEMPORAL_IMAGE_PYRAMID_H_
-#define SPROUT_SERVICES_TEMPORAL_IMAGE_PYRAMID_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <vector>
@@ -24,5 +23,3 @@ struct ImagePyramid {
 ImagePyramid BuildPyramid(const cv::Mat1b& image);
 
 }  // namespace sprout::temporal
-
-#endif  // SPROUT_SERVICES_TEMPORAL_IMAGE_PYRAMID_H_

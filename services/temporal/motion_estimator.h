@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TEMPORAL_MOTION_ESTIMATOR_H_
-#define SPROUT_SERVICES_TEMPORAL_MOTION_ESTIMATOR_H_
+#pragma once
 
 #include <Eigen/Core>
 #include <span>
@@ -40,5 +39,3 @@ MotionEstimate EstimateMotion(std::span<const SeenPoint> points, const Rectified
                               const Pose& as_before, const MotionRule& rule);
 
 }  // namespace sprout::temporal
-
-#endif  // SPROUT_SERVICES_TEMPORAL_MOTION_ESTIMATOR_H_

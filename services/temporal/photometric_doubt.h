@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TEMPORAL_PHOTOMETRIC_DOUBT_H_
-#define SPROUT_SERVICES_TEMPORAL_PHOTOMETRIC_DOUBT_H_
+#pragma once
 
 #include <array>
 #include <opencv2/core.hpp>
@@ -29,5 +28,3 @@ class PhotometricDoubt {
 };
 
 }  // namespace sprout::temporal
-
-#endif  // SPROUT_SERVICES_TEMPORAL_PHOTOMETRIC_DOUBT_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TEMPORAL_POINT_TRACKER_H_
-#define SPROUT_SERVICES_TEMPORAL_POINT_TRACKER_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <vector>
@@ -28,5 +27,3 @@ std::vector<cv::Point> FindCorners(const ImagePyramid& pyramid);
 std::vector<TrackedPoint> TrackCorners(const ImagePyramid& before, const ImagePyramid& after);
 
 }  // namespace sprout::temporal
-
-#endif  // SPROUT_SERVICES_TEMPORAL_POINT_TRACKER_H_

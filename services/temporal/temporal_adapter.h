@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TEMPORAL_TEMPORAL_ADAPTER_H_
-#define SPROUT_SERVICES_TEMPORAL_TEMPORAL_ADAPTER_H_
+#pragma once
 
 #include "common/config/stage_parts.h"
 #include "common/core/stage_adapter.h"
@@ -34,5 +33,3 @@ class TemporalAdapter : public StageAdapter {
 std::string ReasonText(const CameraMotion& motion, TemporalConfig::Motion source);
 
 }  // namespace sprout::temporal
-
-#endif  // SPROUT_SERVICES_TEMPORAL_TEMPORAL_ADAPTER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TEMPORAL_TEMPORAL_FILTER_H_
-#define SPROUT_SERVICES_TEMPORAL_TEMPORAL_FILTER_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <optional>
@@ -84,5 +83,3 @@ class TemporalFilter {
 };
 
 }  // namespace sprout::temporal
-
-#endif  // SPROUT_SERVICES_TEMPORAL_TEMPORAL_FILTER_H_

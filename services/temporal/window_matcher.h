@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TEMPORAL_WINDOW_MATCHER_H_
-#define SPROUT_SERVICES_TEMPORAL_WINDOW_MATCHER_H_
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -30,5 +29,3 @@ struct Place {
 bool MatchWindow(const GreyView& before, Place place, const GreyView& after, Place& found);
 
 }  // namespace sprout::temporal
-
-#endif  // SPROUT_SERVICES_TEMPORAL_WINDOW_MATCHER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_VIEW_DECODED_FRAME_H_
-#define SPROUT_SERVICES_VIEW_DECODED_FRAME_H_
+#pragma once
 
 #include <array>
 #include <cstdint>
@@ -78,5 +77,3 @@ class DecodedFrame {
 };
 
 }  // namespace sprout::view
-
-#endif  // SPROUT_SERVICES_VIEW_DECODED_FRAME_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_VIEW_FRAME_ENCODER_H_
-#define SPROUT_SERVICES_VIEW_FRAME_ENCODER_H_
+#pragma once
 
 #include <cstdint>
 #include <deque>
@@ -89,5 +88,3 @@ class FrameEncoder {
 };
 
 }  // namespace sprout::view
-
-#endif  // SPROUT_SERVICES_VIEW_FRAME_ENCODER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_VIEW_FRAME_RING_H_
-#define SPROUT_SERVICES_VIEW_FRAME_RING_H_
+#pragma once
 
 #include <chrono>
 #include <cstdint>
@@ -92,5 +91,3 @@ class FrameRing : public FrameSource {
 };
 
 }  // namespace sprout::view
-
-#endif  // SPROUT_SERVICES_VIEW_FRAME_RING_H_

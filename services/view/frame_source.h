@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_VIEW_FRAME_SOURCE_H_
-#define SPROUT_SERVICES_VIEW_FRAME_SOURCE_H_
+#pragma once
 
 #include <cstdint>
 #include <vector>
@@ -38,5 +37,3 @@ class FrameSource {
 };
 
 }  // namespace sprout::view
-
-#endif  // SPROUT_SERVICES_VIEW_FRAME_SOURCE_H_

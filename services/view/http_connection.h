@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_VIEW_HTTP_CONNECTION_H_
-#define SPROUT_SERVICES_VIEW_HTTP_CONNECTION_H_
+#pragma once
 
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/http/empty_body.hpp>
@@ -20,5 +19,3 @@ HttpRequest ViewOf(const ParsedRequest& request);
 void ServeHttp(ServerState& state, boost::asio::ip::tcp::socket socket);
 
 }  // namespace sprout::view
-
-#endif  // SPROUT_SERVICES_VIEW_HTTP_CONNECTION_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_VIEW_HTTP_HANDLER_H_
-#define SPROUT_SERVICES_VIEW_HTTP_HANDLER_H_
+#pragma once
 
 #include <chrono>
 #include <filesystem>
@@ -133,5 +132,3 @@ class HttpHandler {
 };
 
 }  // namespace sprout::view
-
-#endif  // SPROUT_SERVICES_VIEW_HTTP_HANDLER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_VIEW_HTTP_REQUEST_H_
-#define SPROUT_SERVICES_VIEW_HTTP_REQUEST_H_
+#pragma once
 
 #include <cstdint>
 #include <map>
@@ -46,5 +45,3 @@ bool IsOwnOrigin(std::string_view origin, std::string_view host);
 bool IsCrossSite(const HttpRequest& request);
 
 }  // namespace sprout::view
-
-#endif  // SPROUT_SERVICES_VIEW_HTTP_REQUEST_H_

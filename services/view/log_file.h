@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_VIEW_LOG_FILE_H_
-#define SPROUT_SERVICES_VIEW_LOG_FILE_H_
+#pragma once
 
 #include <atomic>
 #include <cstdint>
@@ -105,5 +104,3 @@ class LogQuality {
 };
 
 }  // namespace sprout::view
-
-#endif  // SPROUT_SERVICES_VIEW_LOG_FILE_H_

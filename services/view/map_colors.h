@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_VIEW_MAP_COLORS_H_
-#define SPROUT_SERVICES_VIEW_MAP_COLORS_H_
+#pragma once
 
 #include <algorithm>
 #include <opencv2/core.hpp>
@@ -73,5 +72,3 @@ ValueRange DisparityRangeOf(const DisparityImage& map);
 ValueRange DepthRangeOf(const DisparityImage& map, const RectifiedPair& pair);
 
 }  // namespace sprout::view
-
-#endif  // SPROUT_SERVICES_VIEW_MAP_COLORS_H_

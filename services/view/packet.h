@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_VIEW_PACKET_H_
-#define SPROUT_SERVICES_VIEW_PACKET_H_
+#pragma once
 
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -39,5 +38,3 @@ void AppendNumbers(std::string& body, const std::vector<T>& numbers) {
 }
 
 }  // namespace sprout::view
-
-#endif  // SPROUT_SERVICES_VIEW_PACKET_H_

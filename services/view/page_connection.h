@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_VIEW_PAGE_CONNECTION_H_
-#define SPROUT_SERVICES_VIEW_PAGE_CONNECTION_H_
+#pragma once
 
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core.hpp>
@@ -65,5 +64,3 @@ void ServePage(ServerState& state, ConnectionCount count, boost::asio::ip::tcp::
                boost::beast::http::request<boost::beast::http::empty_body> request);
 
 }  // namespace sprout::view
-
-#endif  // SPROUT_SERVICES_VIEW_PAGE_CONNECTION_H_

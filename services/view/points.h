@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_VIEW_POINTS_H_
-#define SPROUT_SERVICES_VIEW_POINTS_H_
+#pragma once
 
 #include "services/view/decoded_frame.h"
 #include "services/view/packet.h"
@@ -27,5 +26,3 @@ EncodedPartPtr EncodeSeeds(DecodedFrame& frame);
 nlohmann::json ProbeJson(DecodedFrame& frame, int u, int v);
 
 }  // namespace sprout::view
-
-#endif  // SPROUT_SERVICES_VIEW_POINTS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_VIEW_SERVER_H_
-#define SPROUT_SERVICES_VIEW_SERVER_H_
+#pragma once
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/thread_pool.hpp>
@@ -97,5 +96,3 @@ class ConnectionCount {
 };
 
 }  // namespace sprout::view
-
-#endif  // SPROUT_SERVICES_VIEW_SERVER_H_

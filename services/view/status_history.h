@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_VIEW_STATUS_HISTORY_H_
-#define SPROUT_SERVICES_VIEW_STATUS_HISTORY_H_
+#pragma once
 
 #include <cstdint>
 #include <deque>
@@ -59,5 +58,3 @@ class StatusHistory {
 };
 
 }  // namespace sprout::view
-
-#endif  // SPROUT_SERVICES_VIEW_STATUS_HISTORY_H_

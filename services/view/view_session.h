@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_VIEW_VIEW_SESSION_H_
-#define SPROUT_SERVICES_VIEW_VIEW_SESSION_H_
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -140,5 +139,3 @@ class ViewSession {
 };
 
 }  // namespace sprout::view
-
-#endif  // SPROUT_SERVICES_VIEW_VIEW_SESSION_H_

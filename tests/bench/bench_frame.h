@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_BENCH_BENCH_FRAME_H_
-#define SPROUT_TESTS_BENCH_BENCH_FRAME_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <string>
@@ -28,5 +27,3 @@ BenchFrame LoadBenchFrame(const std::string& folder, cv::Size size);
 void LoseDarkReturns(double share, BenchFrame& bench);
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_BENCH_BENCH_FRAME_H_

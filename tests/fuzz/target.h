@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_FUZZ_TARGET_H_
-#define SPROUT_TESTS_FUZZ_TARGET_H_
+#pragma once
 
 #include <cstdint>
 #include <span>
@@ -69,5 +68,3 @@ class Reader {
 };
 
 }  // namespace sprout::fuzz
-
-#endif  // SPROUT_TESTS_FUZZ_TARGET_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_FUZZ_TARGETS_H_
-#define SPROUT_TESTS_FUZZ_TARGETS_H_
+#pragma once
 
 #include "tests/fuzz/target.h"
 
@@ -50,5 +49,3 @@ void AnswerPage(std::span<const uint8_t> bytes);
 std::vector<Bytes> PageSeeds();
 
 }  // namespace sprout::fuzz
-
-#endif  // SPROUT_TESTS_FUZZ_TARGETS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_RIG_FAKE_RIG_H_
-#define SPROUT_TESTS_RIG_FAKE_RIG_H_
+#pragma once
 
 #include <map>
 #include <memory>
@@ -46,5 +45,3 @@ class FakeRig {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_RIG_FAKE_RIG_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_RIG_LOG_TEXT_H_
-#define SPROUT_TESTS_RIG_LOG_TEXT_H_
+#pragma once
 
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
@@ -56,5 +55,3 @@ class LogText {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_RIG_LOG_TEXT_H_

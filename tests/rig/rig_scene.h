@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_RIG_RIG_SCENE_H_
-#define SPROUT_TESTS_RIG_RIG_SCENE_H_
+#pragma once
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -46,5 +45,3 @@ class RigScene {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_RIG_RIG_SCENE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_RIG_TIME_STAMP_H_
-#define SPROUT_TESTS_RIG_TIME_STAMP_H_
+#pragma once
 
 #include <array>
 #include <cmath>
@@ -45,5 +44,3 @@ inline int64_t ReadStamp16(const cv::Mat1f& depth_m, double unit_m) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_RIG_TIME_STAMP_H_

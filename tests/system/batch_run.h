@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SYSTEM_BATCH_RUN_H_
-#define SPROUT_TESTS_SYSTEM_BATCH_RUN_H_
+#pragma once
 
 #include <gtest/gtest.h>
 
@@ -100,5 +99,3 @@ inline void WriteStraddlingLog(const std::filesystem::path& path, const std::str
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_SYSTEM_BATCH_RUN_H_

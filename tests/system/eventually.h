@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SYSTEM_EVENTUALLY_H_
-#define SPROUT_TESTS_SYSTEM_EVENTUALLY_H_
+#pragma once
 
 #include <sys/types.h>
 
@@ -58,5 +57,3 @@ inline bool Says(Process& process, const std::string& text) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_SYSTEM_EVENTUALLY_H_

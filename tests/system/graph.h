@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SYSTEM_GRAPH_H_
-#define SPROUT_TESTS_SYSTEM_GRAPH_H_
+#pragma once
 
 #include <chrono>
 #include <condition_variable>
@@ -70,5 +69,3 @@ class Graph {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_SYSTEM_GRAPH_H_

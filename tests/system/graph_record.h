@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SYSTEM_GRAPH_RECORD_H_
-#define SPROUT_TESTS_SYSTEM_GRAPH_RECORD_H_
+#pragma once
 
 #include <chrono>
 #include <condition_variable>
@@ -74,5 +73,3 @@ inline int64_t AccountedFor(const StageStatus& status) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_SYSTEM_GRAPH_RECORD_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SYSTEM_HOSTILE_MESSAGES_H_
-#define SPROUT_TESTS_SYSTEM_HOSTILE_MESSAGES_H_
+#pragma once
 
 #include <cstdint>
 #include <map>
@@ -58,5 +57,3 @@ class HostileMessages {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_SYSTEM_HOSTILE_MESSAGES_H_

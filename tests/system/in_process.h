@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SYSTEM_IN_PROCESS_H_
-#define SPROUT_TESTS_SYSTEM_IN_PROCESS_H_
+#pragma once
 
 #include "common/core/disparity_image.h"
 #include "common/measure/score.h"
@@ -27,5 +26,3 @@ inline double CorrectPercent(const DisparityImage& map, const scenes::GroundTrut
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_SYSTEM_IN_PROCESS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SYSTEM_LOG_BYTES_H_
-#define SPROUT_TESTS_SYSTEM_LOG_BYTES_H_
+#pragma once
 
 #include <cstdint>
 #include <filesystem>
@@ -30,5 +29,3 @@ inline const std::filesystem::path kSampleLog =
     std::filesystem::path(SPROUT_SOURCE_DIR) / "logs" / "sample.lcm";
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_SYSTEM_LOG_BYTES_H_

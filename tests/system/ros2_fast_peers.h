@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SYSTEM_ROS2_FAST_PEERS_H_
-#define SPROUT_TESTS_SYSTEM_ROS2_FAST_PEERS_H_
+#pragma once
 
 #include <gtest/gtest.h>
 
@@ -92,5 +91,3 @@ inline StageStatus StatusOf(Graph& graph) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_SYSTEM_ROS2_FAST_PEERS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SYSTEM_ROS2_FEED_H_
-#define SPROUT_TESTS_SYSTEM_ROS2_FEED_H_
+#pragma once
 
 #include <chrono>
 #include <thread>
@@ -76,5 +75,3 @@ inline StageStatus FinalStatus(Graph& graph) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_SYSTEM_ROS2_FEED_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SYSTEM_ROS2_HOST_H_
-#define SPROUT_TESTS_SYSTEM_ROS2_HOST_H_
+#pragma once
 
 #include <chrono>
 #include <cstdlib>
@@ -78,5 +77,3 @@ inline std::optional<int> End(Process& process) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_SYSTEM_ROS2_HOST_H_

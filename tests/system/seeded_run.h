@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SYSTEM_SEEDED_RUN_H_
-#define SPROUT_TESTS_SYSTEM_SEEDED_RUN_H_
+#pragma once
 
 #include <cstdint>
 #include <iostream>
@@ -48,5 +47,3 @@ int RunSeeded(int argc, char** argv, const std::string& usage, const char* succe
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_SYSTEM_SEEDED_RUN_H_

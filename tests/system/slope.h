@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SYSTEM_SLOPE_H_
-#define SPROUT_TESTS_SYSTEM_SLOPE_H_
+#pragma once
 
 #include <numeric>
 #include <span>
@@ -22,5 +21,3 @@ inline double SlopeOf(std::span<const double> x, std::span<const double> y) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_SYSTEM_SLOPE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_ARV_OBJECT_H_
-#define SPROUT_SERVICES_CAPTURE_GENICAM_ARV_OBJECT_H_
+#pragma once
 
 #include <arv.h>
 
@@ -49,5 +48,3 @@ class ArvError {
 inline std::string ArvText(const char* text) { return text ? text : ""; }
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_ARV_OBJECT_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_CAMERA_H_
-#define SPROUT_SERVICES_CAPTURE_GENICAM_CAMERA_H_
+#pragma once
 
 #include <functional>
 #include <memory>
@@ -65,5 +64,3 @@ class Camera {
 };
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_CAMERA_H_

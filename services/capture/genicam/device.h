@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_DEVICE_H_
-#define SPROUT_SERVICES_CAPTURE_GENICAM_DEVICE_H_
+#pragma once
 
 #include <atomic>
 #include <cstdint>
@@ -99,5 +98,3 @@ class Device {
 };
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_DEVICE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_DEVICE_CLOCK_H_
-#define SPROUT_SERVICES_CAPTURE_GENICAM_DEVICE_CLOCK_H_
+#pragma once
 
 #include <cstdint>
 #include <deque>
@@ -73,5 +72,3 @@ class DeviceClock {
 };
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_DEVICE_CLOCK_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_DEVICE_SETUP_H_
-#define SPROUT_SERVICES_CAPTURE_GENICAM_DEVICE_SETUP_H_
+#pragma once
 
 #include <cstdint>
 #include <optional>
@@ -50,5 +49,3 @@ Scan3d ReadScan3d(ArvCamera* camera);
 std::optional<Lens> ReadLens(ArvCamera* camera);
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_DEVICE_SETUP_H_

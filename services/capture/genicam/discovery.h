@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_DISCOVERY_H_
-#define SPROUT_SERVICES_CAPTURE_GENICAM_DISCOVERY_H_
+#pragma once
 
 #include <array>
 #include <cstdint>
@@ -53,5 +52,3 @@ std::array<uint8_t, 28> ScheduledAction(uint16_t request_id, uint64_t time_ns);
 Result<void> SendScheduledAction(ArvGvDevice* device, uint16_t request_id, uint64_t time_ns);
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_DISCOVERY_H_

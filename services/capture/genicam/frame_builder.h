@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_FRAME_BUILDER_H_
-#define SPROUT_SERVICES_CAPTURE_GENICAM_FRAME_BUILDER_H_
+#pragma once
 
 #include <array>
 #include <cstdint>
@@ -67,5 +66,3 @@ class FrameBuilder {
 };
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_FRAME_BUILDER_H_

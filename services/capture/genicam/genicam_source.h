@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_GENICAM_SOURCE_H_
-#define SPROUT_SERVICES_CAPTURE_GENICAM_GENICAM_SOURCE_H_
+#pragma once
 
 #include <memory>
 #include <string>
@@ -26,5 +25,3 @@ std::unique_ptr<RawSource> OpenGenicam(const RigDescription& rig, const std::str
 std::string ListCameras();
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_GENICAM_SOURCE_H_

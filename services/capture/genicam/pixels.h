@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_PIXELS_H_
-#define SPROUT_SERVICES_CAPTURE_GENICAM_PIXELS_H_
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -69,5 +68,3 @@ Result<size_t> RowBytes(const PayloadPart& part);
 Result<cv::Mat> ToImage(const PayloadPart& part);
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_PIXELS_H_

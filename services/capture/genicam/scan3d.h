@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_SCAN3D_H_
-#define SPROUT_SERVICES_CAPTURE_GENICAM_SCAN3D_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <optional>
@@ -38,5 +37,3 @@ Result<TofImage> ToTofImage(std::span<const PayloadPart> parts, const Scan3d& sc
 void RangesToDepths(TofImage& image, const cv::Mat1d& range_per_depth);
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_SCAN3D_H_

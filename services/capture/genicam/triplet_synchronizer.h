@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_GENICAM_TRIPLET_SYNCHRONIZER_H_
-#define SPROUT_SERVICES_CAPTURE_GENICAM_TRIPLET_SYNCHRONIZER_H_
+#pragma once
 
 #include <array>
 #include <cstdint>
@@ -111,5 +110,3 @@ class TripletSynchronizer {
 };
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_GENICAM_TRIPLET_SYNCHRONIZER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_ROS2_ROS_CALIBRATION_H_
-#define SPROUT_SERVICES_CAPTURE_ROS2_ROS_CALIBRATION_H_
+#pragma once
 
 #include <cstdint>
 #include <map>
@@ -112,5 +111,3 @@ class RosRigWatch {
 };
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_ROS2_ROS_CALIBRATION_H_

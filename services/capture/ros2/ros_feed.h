@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_ROS2_ROS_FEED_H_
-#define SPROUT_SERVICES_CAPTURE_ROS2_ROS_FEED_H_
+#pragma once
 
 #include <memory>
 #include <string_view>
@@ -23,5 +22,3 @@ std::unique_ptr<CaptureFeed> OpenRosFeed(const CaptureConfig& config, const Feed
                                          StageMonitor& monitor);
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_ROS2_ROS_FEED_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_ROS2_ROS_INPUT_H_
-#define SPROUT_SERVICES_CAPTURE_ROS2_ROS_INPUT_H_
+#pragma once
 
 #include <chrono>
 #include <cstdint>
@@ -82,5 +81,3 @@ std::unique_ptr<RosInput> ListenToRos(const RosSettings& settings, RosReports re
 std::unique_ptr<RosInput> ReadRosFile(const RosSettings& settings, RosReports reports);
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_ROS2_ROS_INPUT_H_

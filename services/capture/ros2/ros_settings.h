@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_ROS2_ROS_SETTINGS_H_
-#define SPROUT_SERVICES_CAPTURE_ROS2_ROS_SETTINGS_H_
+#pragma once
 
 #include <array>
 #include <optional>
@@ -52,5 +51,3 @@ std::vector<std::string> TransformTopics(const std::string& topic);
 RosSettings ParseRosSource(const std::string& source);
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_ROS2_ROS_SETTINGS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_ROS2_ROS_SOURCE_H_
-#define SPROUT_SERVICES_CAPTURE_ROS2_ROS_SOURCE_H_
+#pragma once
 
 #include <memory>
 #include <stop_token>
@@ -32,5 +31,3 @@ std::unique_ptr<scenes::FrameSource> OpenRosSource(const std::string& source,
 std::unique_ptr<RawSource> OpenRawRosSource(const std::string& source, RosSourceOptions options);
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_ROS2_ROS_SOURCE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_CAPTURE_ROS2_ROS_TRIPLETS_H_
-#define SPROUT_SERVICES_CAPTURE_ROS2_ROS_TRIPLETS_H_
+#pragma once
 
 #include <array>
 #include <deque>
@@ -72,5 +71,3 @@ class RosTriplets {
 };
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_SERVICES_CAPTURE_ROS2_ROS_TRIPLETS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_GROW_CONFIDENCE_CONFIDENCE_H_
-#define SPROUT_SERVICES_GROW_CONFIDENCE_CONFIDENCE_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <span>
@@ -64,5 +63,3 @@ class ConfidenceEstimator {
 void DropUnsure(const cv::Mat1b& confidence, int least, DisparityImage& disparity);
 
 }  // namespace sprout::grow
-
-#endif  // SPROUT_SERVICES_GROW_CONFIDENCE_CONFIDENCE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_GROW_CONFIDENCE_CONFIDENCE_KERNEL_H_
-#define SPROUT_SERVICES_GROW_CONFIDENCE_CONFIDENCE_KERNEL_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <vector>
@@ -60,5 +59,3 @@ void RateCells(const ConfidenceTables& tables, const ConfidenceFeatures& feature
                cv::Mat1b& confidence, cv::Mat1b& sigma);
 
 }  // namespace sprout::grow
-
-#endif  // SPROUT_SERVICES_GROW_CONFIDENCE_CONFIDENCE_KERNEL_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_GROW_CONFIDENCE_CONFIDENCE_MODEL_H_
-#define SPROUT_SERVICES_GROW_CONFIDENCE_CONFIDENCE_MODEL_H_
+#pragma once
 
 #include <algorithm>
 #include <array>
@@ -55,5 +54,3 @@ ConfidenceTables ParseConfidenceModel(const std::string& text, const std::string
 const ConfidenceTables& DefaultConfidenceTables();
 
 }  // namespace sprout::grow
-
-#endif  // SPROUT_SERVICES_GROW_CONFIDENCE_CONFIDENCE_MODEL_H_

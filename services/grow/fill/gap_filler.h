@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_GROW_FILL_GAP_FILLER_H_
-#define SPROUT_SERVICES_GROW_FILL_GAP_FILLER_H_
+#pragma once
 
 #include "common/config/config.h"
 #include "common/core/disparity_image.h"
@@ -30,5 +29,3 @@ class GapFiller {
 };
 
 }  // namespace sprout::grow
-
-#endif  // SPROUT_SERVICES_GROW_FILL_GAP_FILLER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_GROW_FILL_GAP_MEDIANS_H_
-#define SPROUT_SERVICES_GROW_FILL_GAP_MEDIANS_H_
+#pragma once
 
 #include <array>
 #include <cstdint>
@@ -21,5 +20,3 @@ using FilledPixels = std::array<int16_t, kFillColumns>;
 void FillPixels(const DisparityImage& map, int v, int u, FilledPixels& filled);
 
 }  // namespace sprout::grow
-
-#endif  // SPROUT_SERVICES_GROW_FILL_GAP_MEDIANS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_GROW_PAPER_GROWTH_RULE_H_
-#define SPROUT_SERVICES_GROW_PAPER_GROWTH_RULE_H_
+#pragma once
 
 #include <algorithm>
 #include <array>
@@ -134,5 +133,3 @@ GrowthRule MakeGrowthRule(const GrowConfig& config);
 double SigmaP(const GrowConfig& config, double sigma_px);
 
 }  // namespace sprout::grow
-
-#endif  // SPROUT_SERVICES_GROW_PAPER_GROWTH_RULE_H_

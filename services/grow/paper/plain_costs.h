@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_GROW_PAPER_PLAIN_COSTS_H_
-#define SPROUT_SERVICES_GROW_PAPER_PLAIN_COSTS_H_
+#pragma once
 
 #include <cstdint>
 
@@ -20,5 +19,3 @@ int32_t CostWhereItFits(const GrowthRule& rule, const GrowthInput& input, const 
 int SubPixelStep(const GrowthRule& rule, const GrowthInput& input, const Correspondence& q);
 
 }  // namespace sprout::grow
-
-#endif  // SPROUT_SERVICES_GROW_PAPER_PLAIN_COSTS_H_

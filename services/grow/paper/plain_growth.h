@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_GROW_PAPER_PLAIN_GROWTH_H_
-#define SPROUT_SERVICES_GROW_PAPER_PLAIN_GROWTH_H_
+#pragma once
 
 #include <span>
 
@@ -19,5 +18,3 @@ DisparityImage GrowPlainly(const GrowthRule& rule, const GrowthInput& input,
                            std::span<const Correspondence> seeds);
 
 }  // namespace sprout::grow
-
-#endif  // SPROUT_SERVICES_GROW_PAPER_PLAIN_GROWTH_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_GROW_SWEEP_GROWTH_BAND_H_
-#define SPROUT_SERVICES_GROW_SWEEP_GROWTH_BAND_H_
+#pragma once
 
 #include <array>
 #include <bit>
@@ -142,5 +141,3 @@ struct GrowthKernel {
 const GrowthKernel* FindGrowthKernel();
 
 }  // namespace sprout::grow
-
-#endif  // SPROUT_SERVICES_GROW_SWEEP_GROWTH_BAND_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_GROW_SWEEP_PLAIN_SWEEP_H_
-#define SPROUT_SERVICES_GROW_SWEEP_PLAIN_SWEEP_H_
+#pragma once
 
 #include <span>
 
@@ -17,5 +16,3 @@ DisparityImage SweepPlainly(const GrowthRule& rule, const GrowthInput& input,
                             std::span<const Correspondence> seeds);
 
 }  // namespace sprout::grow
-
-#endif  // SPROUT_SERVICES_GROW_SWEEP_PLAIN_SWEEP_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_GROW_SWEEP_SEGMENTS_H_
-#define SPROUT_SERVICES_GROW_SWEEP_SEGMENTS_H_
+#pragma once
 
 #include <span>
 #include <vector>
@@ -35,5 +34,3 @@ void LinkBands(const DisparityImage& map, std::span<SweepBand> bands);
 void EraseUnreached(const SweepBand& band, DisparityImage& map);
 
 }  // namespace sprout::grow
-
-#endif  // SPROUT_SERVICES_GROW_SWEEP_SEGMENTS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_GROW_SWEEP_SWEEP_BAND_H_
-#define SPROUT_SERVICES_GROW_SWEEP_SWEEP_BAND_H_
+#pragma once
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -62,5 +61,3 @@ struct SweepKernel {
 const SweepKernel* FindSweepKernel();
 
 }  // namespace sprout::grow
-
-#endif  // SPROUT_SERVICES_GROW_SWEEP_SWEEP_BAND_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PIPELINE_FILES_DOUBT_H_
-#define SPROUT_SERVICES_PIPELINE_FILES_DOUBT_H_
+#pragma once
 
 #include "common/config/config.h"
 #include "common/inputs/findings.h"
@@ -18,5 +17,3 @@ void BoundConfidence(const inputs::Findings& findings, const SproutConfig& confi
                      DepthFrame& depth);
 
 }  // namespace sprout
-
-#endif  // SPROUT_SERVICES_PIPELINE_FILES_DOUBT_H_

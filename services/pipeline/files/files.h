@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PIPELINE_FILES_FILES_H_
-#define SPROUT_SERVICES_PIPELINE_FILES_FILES_H_
+#pragma once
 
 #include <optional>
 #include <stop_token>
@@ -37,5 +36,3 @@ struct FilesOptions {
 int RunFiles(const FilesOptions& options, SproutConfig config, const std::stop_token& stop);
 
 }  // namespace sprout
-
-#endif  // SPROUT_SERVICES_PIPELINE_FILES_FILES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PIPELINE_FILES_IMAGE_PAIRS_H_
-#define SPROUT_SERVICES_PIPELINE_FILES_IMAGE_PAIRS_H_
+#pragma once
 
 #include <cstdint>
 #include <filesystem>
@@ -42,5 +41,3 @@ ImagePairs ListPairs(const std::string& left, const std::string& right, const st
                      double max_spread_ms = kMaxSpreadMs);
 
 }  // namespace sprout
-
-#endif  // SPROUT_SERVICES_PIPELINE_FILES_IMAGE_PAIRS_H_

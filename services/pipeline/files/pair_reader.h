@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PIPELINE_FILES_PAIR_READER_H_
-#define SPROUT_SERVICES_PIPELINE_FILES_PAIR_READER_H_
+#pragma once
 
 #include <cstdint>
 #include <filesystem>
@@ -77,5 +76,3 @@ class PairReader {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_SERVICES_PIPELINE_FILES_PAIR_READER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PIPELINE_FILES_WRITE_RESULTS_H_
-#define SPROUT_SERVICES_PIPELINE_FILES_WRITE_RESULTS_H_
+#pragma once
 
 #include <array>
 #include <filesystem>
@@ -45,5 +44,3 @@ Result<void> WriteResults(Frame frame, const DepthFrame& depth, DepthConfig::Inp
                           const std::filesystem::path& folder);
 
 }  // namespace sprout
-
-#endif  // SPROUT_SERVICES_PIPELINE_FILES_WRITE_RESULTS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PRIOR_EDGES_DATA_TERM_KERNEL_H_
-#define SPROUT_SERVICES_PRIOR_EDGES_DATA_TERM_KERNEL_H_
+#pragma once
 
 #include <array>
 #include <cstddef>
@@ -51,5 +50,3 @@ double FarMinusNear(const EdgeImages& images, const ColourSeeds& seeds,
                     const DataTermScales& scales, const LabelledPixel& pixel);
 
 }  // namespace sprout::prior
-
-#endif  // SPROUT_SERVICES_PRIOR_EDGES_DATA_TERM_KERNEL_H_

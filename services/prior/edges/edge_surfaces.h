@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PRIOR_EDGES_EDGE_SURFACES_H_
-#define SPROUT_SERVICES_PRIOR_EDGES_EDGE_SURFACES_H_
+#pragma once
 
 #include <array>
 #include <cstddef>
@@ -121,5 +120,3 @@ class DataTerm {
 void DecideLabels(const EdgeLabels& labels, const DataTerm& data_term, DisparityImage& prior);
 
 }  // namespace sprout::prior
-
-#endif  // SPROUT_SERVICES_PRIOR_EDGES_EDGE_SURFACES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PRIOR_EDGES_LABEL_KERNEL_H_
-#define SPROUT_SERVICES_PRIOR_EDGES_LABEL_KERNEL_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <span>
@@ -16,5 +15,3 @@ void PaintEdgeLabels(std::span<const EdgeTriangle> edges, std::span<const int> c
                      EdgeLabels& labels);
 
 }  // namespace sprout::prior
-
-#endif  // SPROUT_SERVICES_PRIOR_EDGES_LABEL_KERNEL_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PRIOR_EDGES_PLANE_KERNEL_H_
-#define SPROUT_SERVICES_PRIOR_EDGES_PLANE_KERNEL_H_
+#pragma once
 
 #include <array>
 #include <cstddef>
@@ -59,5 +58,3 @@ struct PlaneFits {
 void FitPlanesAtOnce(double slope_weight, PlaneFits& fits);
 
 }  // namespace sprout::prior
-
-#endif  // SPROUT_SERVICES_PRIOR_EDGES_PLANE_KERNEL_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PRIOR_EDGES_SEED_PLANES_H_
-#define SPROUT_SERVICES_PRIOR_EDGES_SEED_PLANES_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <span>
@@ -72,5 +71,3 @@ void ExtendBeyondHull(std::span<const int> hull, cv::Size size, double reach_px,
                       std::vector<SeedTriangle>& triangles);
 
 }  // namespace sprout::prior
-
-#endif  // SPROUT_SERVICES_PRIOR_EDGES_SEED_PLANES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PRIOR_TRIANGULATION_GRID_CELLS_H_
-#define SPROUT_SERVICES_PRIOR_TRIANGULATION_GRID_CELLS_H_
+#pragma once
 
 #include <cstdint>
 #include <span>
@@ -65,5 +64,3 @@ class GridCells {
 };
 
 }  // namespace sprout::prior
-
-#endif  // SPROUT_SERVICES_PRIOR_TRIANGULATION_GRID_CELLS_H_

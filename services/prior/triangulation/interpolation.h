@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PRIOR_TRIANGULATION_INTERPOLATION_H_
-#define SPROUT_SERVICES_PRIOR_TRIANGULATION_INTERPOLATION_H_
+#pragma once
 
 #include <algorithm>
 #include <array>
@@ -156,5 +155,3 @@ void ForEachRun(const Corners& corners, int width, const cv::Range& rows, const 
 }
 
 }  // namespace sprout::prior
-
-#endif  // SPROUT_SERVICES_PRIOR_TRIANGULATION_INTERPOLATION_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PRIOR_TRIANGULATION_PAINT_KERNEL_H_
-#define SPROUT_SERVICES_PRIOR_TRIANGULATION_PAINT_KERNEL_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <span>
@@ -16,5 +15,3 @@ void PaintTriangles(std::span<const Plane> planes, std::span<const SeedTriangle>
                     PriorMap& map);
 
 }  // namespace sprout::prior
-
-#endif  // SPROUT_SERVICES_PRIOR_TRIANGULATION_PAINT_KERNEL_H_

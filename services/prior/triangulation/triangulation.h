@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_PRIOR_TRIANGULATION_TRIANGULATION_H_
-#define SPROUT_SERVICES_PRIOR_TRIANGULATION_TRIANGULATION_H_
+#pragma once
 
 #include <array>
 #include <cstddef>
@@ -68,5 +67,3 @@ class Rings {
 };
 
 }  // namespace sprout::prior
-
-#endif  // SPROUT_SERVICES_PRIOR_TRIANGULATION_TRIANGULATION_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_ALIGNMENT_ALIGNMENT_RULES_H_
-#define SPROUT_SERVICES_REFINE_ALIGNMENT_ALIGNMENT_RULES_H_
+#pragma once
 
 #include <cstddef>
 
@@ -89,5 +88,3 @@ struct AlignmentRules {
 };
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_ALIGNMENT_ALIGNMENT_RULES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_ALIGNMENT_SCAN_ALIGNMENT_H_
-#define SPROUT_SERVICES_REFINE_ALIGNMENT_SCAN_ALIGNMENT_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <span>
@@ -70,5 +69,3 @@ void ApplyMove(const ScanMove& move, const Rig& rig, std::vector<ProjectedPoint>
 std::string ScanMoveText(const ScanMove& move);
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_ALIGNMENT_SCAN_ALIGNMENT_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_ALIGNMENT_TOF_ALIGNMENT_H_
-#define SPROUT_SERVICES_REFINE_ALIGNMENT_TOF_ALIGNMENT_H_
+#pragma once
 
 #include <cmath>
 #include <cstddef>
@@ -106,5 +105,3 @@ class TofAligner {
 void ApplyOffset(const TofOffset& offset, const Rig& rig, std::vector<ProjectedPoint>& points);
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_ALIGNMENT_TOF_ALIGNMENT_H_

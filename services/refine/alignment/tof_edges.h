@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_ALIGNMENT_TOF_EDGES_H_
-#define SPROUT_SERVICES_REFINE_ALIGNMENT_TOF_EDGES_H_
+#pragma once
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -54,5 +53,3 @@ class TofEdgeFinder {
 };
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_ALIGNMENT_TOF_EDGES_H_

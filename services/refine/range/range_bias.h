@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_RANGE_RANGE_BIAS_H_
-#define SPROUT_SERVICES_REFINE_RANGE_RANGE_BIAS_H_
+#pragma once
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -85,5 +84,3 @@ class RangeBias {
 std::optional<std::string> RangeErrorText(const RangeError& error);
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_RANGE_RANGE_BIAS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_RANGE_RANGE_COSTS_H_
-#define SPROUT_SERVICES_REFINE_RANGE_RANGE_COSTS_H_
+#pragma once
 
 #include <array>
 #include <opencv2/core.hpp>
@@ -32,5 +31,3 @@ std::optional<OffsetMoments> MomentsOf(const cv::Mat1b& left, const cv::Mat1b& r
                                        const SlantedPatch& patch);
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_RANGE_RANGE_COSTS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_RANGE_RANGE_CURVE_H_
-#define SPROUT_SERVICES_REFINE_RANGE_RANGE_CURVE_H_
+#pragma once
 
 #include <span>
 #include <vector>
@@ -72,5 +71,3 @@ class RangeCurve {
 double CostAt(const OffsetCosts& costs, double offset_px);
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_RANGE_RANGE_CURVE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_RANGE_RANGE_FIELD_H_
-#define SPROUT_SERVICES_REFINE_RANGE_RANGE_FIELD_H_
+#pragma once
 
 #include <span>
 #include <vector>
@@ -67,5 +66,3 @@ class RangeField {
 };
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_RANGE_RANGE_FIELD_H_

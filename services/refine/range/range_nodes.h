@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_RANGE_RANGE_NODES_H_
-#define SPROUT_SERVICES_REFINE_RANGE_RANGE_NODES_H_
+#pragma once
 
 #include <array>
 #include <cmath>
@@ -148,5 +147,3 @@ inline void KeepPatches(const RangeNodes& nodes, size_t fewest, std::vector<uint
 }
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_RANGE_RANGE_NODES_H_

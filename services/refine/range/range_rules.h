@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_RANGE_RANGE_RULES_H_
-#define SPROUT_SERVICES_REFINE_RANGE_RANGE_RULES_H_
+#pragma once
 
 #include <cstddef>
 
@@ -159,5 +158,3 @@ struct RangeRules {
 };
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_RANGE_RANGE_RULES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_RANGE_SENSOR_PLACE_H_
-#define SPROUT_SERVICES_REFINE_RANGE_SENSOR_PLACE_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <span>
@@ -45,5 +44,3 @@ SensorPlace FindSensorPlace(const PlacedPoints& points, std::span<const Seed> ma
                             double agree_px, double strictness = 1);
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_RANGE_SENSOR_PLACE_H_

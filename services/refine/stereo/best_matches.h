@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_STEREO_BEST_MATCHES_H_
-#define SPROUT_SERVICES_REFINE_STEREO_BEST_MATCHES_H_
+#pragma once
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -28,5 +27,3 @@ class BestMatches {
 };
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_STEREO_BEST_MATCHES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_STEREO_MATCH_COSTS_H_
-#define SPROUT_SERVICES_REFINE_STEREO_MATCH_COSTS_H_
+#pragma once
 
 #include <array>
 #include <cstdint>
@@ -33,5 +32,3 @@ class MatchCosts {
 };
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_STEREO_MATCH_COSTS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_STEREO_PATCH_MATCHER_H_
-#define SPROUT_SERVICES_REFINE_STEREO_PATCH_MATCHER_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <optional>
@@ -23,5 +22,3 @@ std::optional<double> MatchPatch(const cv::Mat1b& left, const cv::Mat1b& right,
                                  const SlantedPatch& patch, double most_shift_px);
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_STEREO_PATCH_MATCHER_H_

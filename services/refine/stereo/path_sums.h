@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_STEREO_PATH_SUMS_H_
-#define SPROUT_SERVICES_REFINE_STEREO_PATH_SUMS_H_
+#pragma once
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -21,5 +20,3 @@ void AddUpPaths(const cv::Mat1b& left, const StereoSearch& search, const SearchR
                 const std::vector<uint8_t>& costs, int step, std::vector<uint16_t>& sums);
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_STEREO_PATH_SUMS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_STEREO_POINT_SURFACE_H_
-#define SPROUT_SERVICES_REFINE_STEREO_POINT_SURFACE_H_
+#pragma once
 
 #include <array>
 #include <cmath>
@@ -82,5 +81,3 @@ class PointSurface {
 };
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_STEREO_POINT_SURFACE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_STEREO_STEREO_MATCHER_H_
-#define SPROUT_SERVICES_REFINE_STEREO_STEREO_MATCHER_H_
+#pragma once
 
 #include <array>
 #include <cstdint>
@@ -91,5 +90,3 @@ class StereoMatcher {
 };
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_STEREO_STEREO_MATCHER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_STEREO_STEREO_RULES_H_
-#define SPROUT_SERVICES_REFINE_STEREO_STEREO_RULES_H_
+#pragma once
 
 #include <cstddef>
 
@@ -114,5 +113,3 @@ struct StereoRules {
 };
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_STEREO_STEREO_RULES_H_

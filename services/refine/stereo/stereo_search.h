@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_STEREO_STEREO_SEARCH_H_
-#define SPROUT_SERVICES_REFINE_STEREO_STEREO_SEARCH_H_
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -54,5 +53,3 @@ class SearchRows {
 };
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_STEREO_STEREO_SEARCH_H_

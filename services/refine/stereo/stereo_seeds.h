@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_STEREO_STEREO_SEEDS_H_
-#define SPROUT_SERVICES_REFINE_STEREO_STEREO_SEEDS_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <span>
@@ -89,5 +88,3 @@ class StereoSeedFinder {
 };
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_STEREO_STEREO_SEEDS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_SURFACE_BACKGROUND_H_
-#define SPROUT_SERVICES_REFINE_SURFACE_BACKGROUND_H_
+#pragma once
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -43,5 +42,3 @@ class BackgroundRule {
 };
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_SURFACE_BACKGROUND_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_SURFACE_CELL_LISTS_H_
-#define SPROUT_SERVICES_REFINE_SURFACE_CELL_LISTS_H_
+#pragma once
 
 #include <algorithm>
 #include <cstdint>
@@ -93,5 +92,3 @@ class CellLists {
 };
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_SURFACE_CELL_LISTS_H_

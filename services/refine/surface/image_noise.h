@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_SURFACE_IMAGE_NOISE_H_
-#define SPROUT_SERVICES_REFINE_SURFACE_IMAGE_NOISE_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <span>
@@ -19,5 +18,3 @@ double ImageNoisePx(const cv::Mat1b& left, const cv::Mat1b& right,
                     std::span<const ProjectedPoint> points);
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_SURFACE_IMAGE_NOISE_H_

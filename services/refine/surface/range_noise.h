@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_SURFACE_RANGE_NOISE_H_
-#define SPROUT_SERVICES_REFINE_SURFACE_RANGE_NOISE_H_
+#pragma once
 
 #include <vector>
 
@@ -29,5 +28,3 @@ struct RangeNoise {
 RangeNoise FindRangeNoise(const std::vector<Deviation>& deviations, double infinity_px);
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_SURFACE_RANGE_NOISE_H_

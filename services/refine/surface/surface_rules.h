@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_SURFACE_SURFACE_RULES_H_
-#define SPROUT_SERVICES_REFINE_SURFACE_SURFACE_RULES_H_
+#pragma once
 
 #include <cstddef>
 
@@ -87,5 +86,3 @@ struct SurfaceRules {
 };
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_SURFACE_SURFACE_RULES_H_

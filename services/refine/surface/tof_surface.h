@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_SURFACE_TOF_SURFACE_H_
-#define SPROUT_SERVICES_REFINE_SURFACE_TOF_SURFACE_H_
+#pragma once
 
 #include <algorithm>
 #include <cstdint>
@@ -189,5 +188,3 @@ class TofSurface {
 };
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_SURFACE_TOF_SURFACE_H_

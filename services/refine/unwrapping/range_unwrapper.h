@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_UNWRAPPING_RANGE_UNWRAPPER_H_
-#define SPROUT_SERVICES_REFINE_UNWRAPPING_RANGE_UNWRAPPER_H_
+#pragma once
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -79,5 +78,3 @@ class RangeUnwrapper {
 };
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_UNWRAPPING_RANGE_UNWRAPPER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_REFINE_ZONES_ZONE_EVIDENCE_H_
-#define SPROUT_SERVICES_REFINE_ZONES_ZONE_EVIDENCE_H_
+#pragma once
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
@@ -97,5 +96,3 @@ class ZoneEvidence {
 bool IsNews(const ZoneSurface& surface, const PointSurface& seeds, cv::Point cell);
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_SERVICES_REFINE_ZONES_ZONE_EVIDENCE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_BATCH_ENGINES_H_
-#define SPROUT_SERVICES_TOOLS_BATCH_ENGINES_H_
+#pragma once
 
 #include <string>
 
@@ -49,5 +48,3 @@ std::string StatesOfJobs(const std::string& jobs);
 std::string TaskOutput(const BatchFolder& folder);
 
 }  // namespace sprout::batch
-
-#endif  // SPROUT_SERVICES_TOOLS_BATCH_ENGINES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_BATCH_FRAME_TABLE_H_
-#define SPROUT_SERVICES_TOOLS_BATCH_FRAME_TABLE_H_
+#pragma once
 
 #include <filesystem>
 #include <optional>
@@ -65,5 +64,3 @@ double MeanOf(const std::vector<float>& values, size_t first, size_t last);
 inline double MeanOf(const std::vector<float>& values) { return MeanOf(values, 0, values.size()); }
 
 }  // namespace sprout::batch
-
-#endif  // SPROUT_SERVICES_TOOLS_BATCH_FRAME_TABLE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_BATCH_LOG_TASK_H_
-#define SPROUT_SERVICES_TOOLS_BATCH_LOG_TASK_H_
+#pragma once
 
 #include <cstdint>
 #include <filesystem>
@@ -76,5 +75,3 @@ void ForgetTries(const BatchFolder& folder);
 void ForgetTry(const BatchFolder& folder, int log);
 
 }  // namespace sprout::batch
-
-#endif  // SPROUT_SERVICES_TOOLS_BATCH_LOG_TASK_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_BATCH_MANIFEST_H_
-#define SPROUT_SERVICES_TOOLS_BATCH_MANIFEST_H_
+#pragma once
 
 #include <filesystem>
 #include <string>
@@ -65,5 +64,3 @@ void WriteText(const std::filesystem::path& path, const std::string& text);
 std::string FirstLineOf(const std::filesystem::path& path);
 
 }  // namespace sprout::batch
-
-#endif  // SPROUT_SERVICES_TOOLS_BATCH_MANIFEST_H_

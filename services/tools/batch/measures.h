@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_BATCH_MEASURES_H_
-#define SPROUT_SERVICES_TOOLS_BATCH_MEASURES_H_
+#pragma once
 
 #include <cstdint>
 #include <deque>
@@ -71,5 +70,3 @@ Table MeasureFrames(FrameLookup& frames, Part answer, bool measure);
 Table CompareFrames(FrameLookup& a, FrameLookup* b, Part map, const std::filesystem::path& truth);
 
 }  // namespace sprout::batch
-
-#endif  // SPROUT_SERVICES_TOOLS_BATCH_MEASURES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_BATCH_PLANNING_H_
-#define SPROUT_SERVICES_TOOLS_BATCH_PLANNING_H_
+#pragma once
 
 #include <filesystem>
 #include <set>
@@ -73,5 +72,3 @@ bool IsResultName(std::string_view name);
 std::string ResultNameOf(const std::filesystem::path& log, std::set<std::string>& taken);
 
 }  // namespace sprout::batch
-
-#endif  // SPROUT_SERVICES_TOOLS_BATCH_PLANNING_H_

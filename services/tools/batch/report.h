@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_BATCH_REPORT_H_
-#define SPROUT_SERVICES_TOOLS_BATCH_REPORT_H_
+#pragma once
 
 #include <filesystem>
 #include <map>
@@ -67,5 +66,3 @@ class ReportFrames {
 };
 
 }  // namespace sprout::batch
-
-#endif  // SPROUT_SERVICES_TOOLS_BATCH_REPORT_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_BATCH_RESULT_FOLDER_H_
-#define SPROUT_SERVICES_TOOLS_BATCH_RESULT_FOLDER_H_
+#pragma once
 
 #include <filesystem>
 #include <optional>
@@ -73,5 +72,3 @@ BatchState LinkAnswers(const BatchFolder& folder, const Manifest& manifest);
 void RemoveParts(const BatchFolder& folder);
 
 }  // namespace sprout::batch
-
-#endif  // SPROUT_SERVICES_TOOLS_BATCH_RESULT_FOLDER_H_

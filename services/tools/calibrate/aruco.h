@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_ARUCO_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_ARUCO_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <vector>
@@ -50,5 +49,3 @@ void FindCorners(const cv::Mat1b& image, const cv::Ptr<CharucoBoard>& board,
                  std::vector<cv::Point2f>& pixels, std::vector<int>& ids);
 
 }  // namespace sprout::calibrate::aruco
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_ARUCO_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_H_
+#pragma once
 
 #include <Eigen/Core>
 #include <filesystem>
@@ -91,5 +90,3 @@ std::string BoardPage(const Board& board, const std::filesystem::path& path);
 Eigen::Vector2d BoardPageSizeMm(const Board& board);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_FINDER_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_FINDER_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <string>
@@ -45,5 +44,3 @@ BoardCorners ReadBoard(const Board& board, const cv::Mat1b& image);
 std::string SeenBoards(const std::vector<cv::Mat1b>& images);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_FINDER_H_

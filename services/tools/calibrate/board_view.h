@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_VIEW_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_VIEW_H_
+#pragma once
 
 #include <array>
 #include <opencv2/core.hpp>
@@ -29,5 +28,3 @@ struct BoardView {
 };
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_BOARD_VIEW_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_CALIBRATOR_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_CALIBRATOR_H_
+#pragma once
 
 #include <array>
 #include <vector>
@@ -33,5 +32,3 @@ Result<Calibration> Calibrate(const Board& board, const std::array<cv::Size, kCa
                               std::vector<BoardView> views);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_CALIBRATOR_H_

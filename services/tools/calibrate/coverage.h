@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_COVERAGE_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_COVERAGE_H_
+#pragma once
 
 #include <array>
 #include <cstdint>
@@ -139,5 +138,3 @@ class ViewCollector {
 };
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_COVERAGE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_FRAME_LOG_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_FRAME_LOG_H_
+#pragma once
 
 #include <cstdint>
 #include <filesystem>
@@ -22,5 +21,3 @@ std::string ReadFrameLog(const std::filesystem::path& path, const std::string& p
                          PartSet parts, const std::function<void(const Frame&)>& visit);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_FRAME_LOG_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_IMAGE_FOLDER_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_IMAGE_FOLDER_H_
+#pragma once
 
 #include <filesystem>
 #include <functional>
@@ -26,5 +25,3 @@ void WriteImages(const std::filesystem::path& folder, const std::string& name,
                  const RigImages& images);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_IMAGE_FOLDER_H_

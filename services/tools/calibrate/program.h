@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_PROGRAM_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_PROGRAM_H_
+#pragma once
 
 namespace sprout::calibrate {
 
@@ -9,5 +8,3 @@ namespace sprout::calibrate {
 int CalibrateMain(int argc, const char* const* argv);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_PROGRAM_H_

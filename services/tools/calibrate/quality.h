@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_QUALITY_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_QUALITY_H_
+#pragma once
 
 #include <array>
 #include <string>
@@ -48,5 +47,3 @@ CalibrationQuality QualityOf(const RefinedModel& refined, const RawRig& rig,
                              const std::vector<BoardView>& views);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_QUALITY_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_RANGE_POINTS_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_RANGE_POINTS_H_
+#pragma once
 
 #include <vector>
 
@@ -20,5 +19,3 @@ std::vector<RangePoint> CollectRangePoints(const Board& board, const std::vector
                                            const RigModel& model);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_RANGE_POINTS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_REFINE_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_REFINE_H_
+#pragma once
 
 #include <filesystem>
 #include <string>
@@ -31,5 +30,3 @@ int RunRefine(const RefineOptions& options);
 int RunCheck(const RefineOptions& options);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_REFINE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_REPORT_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_REPORT_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <string>
@@ -68,5 +67,3 @@ std::string VerdictText(bool is_good);
 std::string ReportStart(std::string_view what, const std::vector<std::string>& reasons);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_REPORT_H_

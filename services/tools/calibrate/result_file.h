@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_RESULT_FILE_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_RESULT_FILE_H_
+#pragma once
 
 #include <filesystem>
 #include <iostream>
@@ -39,5 +38,3 @@ inline void SaveResult(const RigDescription& rig, bool is_good, const std::files
 }
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_RESULT_FILE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_RIG_MODEL_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_RIG_MODEL_H_
+#pragma once
 
 #include <Eigen/Geometry>
 #include <array>
@@ -47,5 +46,3 @@ Result<RigModel> InitialModel(const Board& board, const std::array<cv::Size, kCa
                               const std::vector<BoardView>& views);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_RIG_MODEL_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_RIG_REFINEMENT_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_RIG_REFINEMENT_H_
+#pragma once
 
 #include <array>
 #include <vector>
@@ -63,5 +62,3 @@ Result<RefinedModel> RefineModel(const Board& board, const std::vector<BoardView
                                  const std::vector<RangePoint>& ranges, const RigModel& model);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_RIG_REFINEMENT_H_

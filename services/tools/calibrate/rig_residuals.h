@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_RIG_RESIDUALS_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_RIG_RESIDUALS_H_
+#pragma once
 
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
@@ -128,5 +127,3 @@ struct RangeError {
 };
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_RIG_RESIDUALS_H_

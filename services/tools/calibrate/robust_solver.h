@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_ROBUST_SOLVER_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_ROBUST_SOLVER_H_
+#pragma once
 
 #include <ceres/ceres.h>
 
@@ -46,5 +45,3 @@ bool Solve(ceres::Problem& problem, const std::vector<double*>& many,
 ceres::Covariance::Options CovarianceOptions(ceres::SparseLinearAlgebraLibraryType library);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_ROBUST_SOLVER_H_

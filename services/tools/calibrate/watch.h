@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_WATCH_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_WATCH_H_
+#pragma once
 
 #include <filesystem>
 #include <string>
@@ -26,5 +25,3 @@ int RunWatch(const Board& board, const WatchOptions& options);
 std::string EstimateCommand(const Board& board, const std::filesystem::path& folder);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_WATCH_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CHECK_CAPTURE_LISTENER_H_
-#define SPROUT_SERVICES_TOOLS_CHECK_CAPTURE_LISTENER_H_
+#pragma once
 
 #include <chrono>
 #include <cstdint>
@@ -98,5 +97,3 @@ class CaptureListener {
 };
 
 }  // namespace sprout::check
-
-#endif  // SPROUT_SERVICES_TOOLS_CHECK_CAPTURE_LISTENER_H_

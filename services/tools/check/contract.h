@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CHECK_CONTRACT_H_
-#define SPROUT_SERVICES_TOOLS_CHECK_CONTRACT_H_
+#pragma once
 
 #include <iosfwd>
 #include <map>
@@ -97,5 +96,3 @@ bool AreAllTheSame(std::span<const PartValue> answers);
 std::string CompareAnswers(std::span<const PartValue> answers, std::span<const PartValue> recorded);
 
 }  // namespace sprout::check
-
-#endif  // SPROUT_SERVICES_TOOLS_CHECK_CONTRACT_H_

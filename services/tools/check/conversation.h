@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CHECK_CONVERSATION_H_
-#define SPROUT_SERVICES_TOOLS_CHECK_CONVERSATION_H_
+#pragma once
 
 #include <chrono>
 #include <cstdint>
@@ -123,5 +122,3 @@ class Conversation {
 };
 
 }  // namespace sprout::check
-
-#endif  // SPROUT_SERVICES_TOOLS_CHECK_CONVERSATION_H_

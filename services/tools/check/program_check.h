@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CHECK_PROGRAM_CHECK_H_
-#define SPROUT_SERVICES_TOOLS_CHECK_PROGRAM_CHECK_H_
+#pragma once
 
 #include <chrono>
 #include <condition_variable>
@@ -79,5 +78,3 @@ void CheckEnd(Process& process, Findings& found);
 bool CheckReport(const Heard& heard, Findings& found);
 
 }  // namespace sprout::check
-
-#endif  // SPROUT_SERVICES_TOOLS_CHECK_PROGRAM_CHECK_H_

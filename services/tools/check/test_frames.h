@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CHECK_TEST_FRAMES_H_
-#define SPROUT_SERVICES_TOOLS_CHECK_TEST_FRAMES_H_
+#pragma once
 
 #include <cstdint>
 #include <filesystem>
@@ -45,5 +44,3 @@ struct Corruption {
 std::vector<Corruption> CorruptionsOf(Part part);
 
 }  // namespace sprout::check
-
-#endif  // SPROUT_SERVICES_TOOLS_CHECK_TEST_FRAMES_H_

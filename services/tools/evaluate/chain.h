@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_CHAIN_H_
-#define SPROUT_SERVICES_TOOLS_EVALUATE_CHAIN_H_
+#pragma once
 
 #include <cstdint>
 #include <vector>
@@ -65,5 +64,3 @@ void RunSteps(const Scene& scene, const ChainSettings& settings, ChainStep last,
 MethodOutput RunChain(const Scene& scene, const ChainSettings& settings, Frame frame);
 
 }  // namespace sprout::evaluate
-
-#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_CHAIN_H_

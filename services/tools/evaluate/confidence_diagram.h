@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_CONFIDENCE_DIAGRAM_H_
-#define SPROUT_SERVICES_TOOLS_EVALUATE_CONFIDENCE_DIAGRAM_H_
+#pragma once
 
 #include <string>
 #include <vector>
@@ -18,5 +17,3 @@ namespace sprout::evaluate {
 std::string ConfidenceSvg(const std::vector<SceneResult>& scenes);
 
 }  // namespace sprout::evaluate
-
-#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_CONFIDENCE_DIAGRAM_H_

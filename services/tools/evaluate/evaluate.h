@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_EVALUATE_H_
-#define SPROUT_SERVICES_TOOLS_EVALUATE_EVALUATE_H_
+#pragma once
 
 #include <array>
 #include <cstdint>
@@ -124,5 +123,3 @@ SceneResult EvaluateScene(const Scene& scene, const std::vector<Method>& methods
                           const ChainSettings& settings, int repeat, const OnMethod& on_method);
 
 }  // namespace sprout::evaluate
-
-#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_EVALUATE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_LOG_EVALUATION_H_
-#define SPROUT_SERVICES_TOOLS_EVALUATE_LOG_EVALUATION_H_
+#pragma once
 
 #include <functional>
 #include <map>
@@ -62,5 +61,3 @@ class LogEvaluation {
 };
 
 }  // namespace sprout::evaluate
-
-#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_LOG_EVALUATION_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_PROGRAM_H_
-#define SPROUT_SERVICES_TOOLS_EVALUATE_PROGRAM_H_
+#pragma once
 
 #include "services/tools/evaluate/log_evaluation.h"
 
@@ -13,5 +12,3 @@ namespace sprout::evaluate {
 int EvaluateMain(int argc, const char* const* argv, const ReadLog& read_log);
 
 }  // namespace sprout::evaluate
-
-#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_PROGRAM_H_

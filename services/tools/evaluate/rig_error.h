@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_RIG_ERROR_H_
-#define SPROUT_SERVICES_TOOLS_EVALUATE_RIG_ERROR_H_
+#pragma once
 
 #include <string>
 
@@ -32,5 +31,3 @@ class RigError {
 };
 
 }  // namespace sprout::evaluate
-
-#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_RIG_ERROR_H_

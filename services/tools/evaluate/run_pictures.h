@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_RUN_PICTURES_H_
-#define SPROUT_SERVICES_TOOLS_EVALUATE_RUN_PICTURES_H_
+#pragma once
 
 #include <filesystem>
 #include <opencv2/core.hpp>
@@ -61,5 +60,3 @@ class RunPictures {
 };
 
 }  // namespace sprout::evaluate
-
-#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_RUN_PICTURES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_SCENE_H_
-#define SPROUT_SERVICES_TOOLS_EVALUATE_SCENE_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <optional>
@@ -104,5 +103,3 @@ struct Visibility {
 Visibility VisibilityOf(const scenes::GroundTruth& truth);
 
 }  // namespace sprout::evaluate
-
-#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_SCENE_H_

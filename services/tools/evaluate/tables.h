@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_TABLES_H_
-#define SPROUT_SERVICES_TOOLS_EVALUATE_TABLES_H_
+#pragma once
 
 #include <string>
 #include <vector>
@@ -38,5 +37,3 @@ std::string ToJson(const RunResult& run);
 std::string ToCsv(const RunResult& run);
 
 }  // namespace sprout::evaluate
-
-#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_TABLES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_VIDEO_H_
-#define SPROUT_SERVICES_TOOLS_EVALUATE_VIDEO_H_
+#pragma once
 
 #include <array>
 #include <filesystem>
@@ -84,5 +83,3 @@ class VideoPictures {
 };
 
 }  // namespace sprout::evaluate
-
-#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_VIDEO_H_

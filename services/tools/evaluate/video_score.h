@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_VIDEO_SCORE_H_
-#define SPROUT_SERVICES_TOOLS_EVALUATE_VIDEO_SCORE_H_
+#pragma once
 
 #include <cstdint>
 #include <deque>
@@ -106,5 +105,3 @@ class AwayFromPoints {
 };
 
 }  // namespace sprout::evaluate
-
-#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_VIDEO_SCORE_H_

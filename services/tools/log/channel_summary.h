@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_LOG_CHANNEL_SUMMARY_H_
-#define SPROUT_SERVICES_TOOLS_LOG_CHANNEL_SUMMARY_H_
+#pragma once
 
 #include <cstdint>
 #include <deque>
@@ -115,5 +114,3 @@ class ProcessSummary {
 std::string ConfigDiffText(const ProcessSummary& a, const ProcessSummary& b);
 
 }  // namespace sprout::log
-
-#endif  // SPROUT_SERVICES_TOOLS_LOG_CHANNEL_SUMMARY_H_

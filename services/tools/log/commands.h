@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_LOG_COMMANDS_H_
-#define SPROUT_SERVICES_TOOLS_LOG_COMMANDS_H_
+#pragma once
 
 #include <filesystem>
 #include <string>
@@ -58,5 +57,3 @@ bool IsMcap(const std::filesystem::path& file);
 int RunMcapInfo(const InfoOptions& options);
 
 }  // namespace sprout::log
-
-#endif  // SPROUT_SERVICES_TOOLS_LOG_COMMANDS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_LOG_EVENT_STREAM_H_
-#define SPROUT_SERVICES_TOOLS_LOG_EVENT_STREAM_H_
+#pragma once
 
 #include <compare>
 #include <cstdint>
@@ -97,5 +96,3 @@ class EventStream {
 };
 
 }  // namespace sprout::log
-
-#endif  // SPROUT_SERVICES_TOOLS_LOG_EVENT_STREAM_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_LOG_LOG_FRAMES_H_
-#define SPROUT_SERVICES_TOOLS_LOG_LOG_FRAMES_H_
+#pragma once
 
 #include <cstdint>
 #include <filesystem>
@@ -50,5 +49,3 @@ void FinishFiles(const std::string& complaint, const FrameFileNames& names,
                  const PicturesOptions& options, const std::string& nothing);
 
 }  // namespace sprout::log
-
-#endif  // SPROUT_SERVICES_TOOLS_LOG_LOG_FRAMES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_LOG_MESSAGE_DIFF_H_
-#define SPROUT_SERVICES_TOOLS_LOG_MESSAGE_DIFF_H_
+#pragma once
 
 #include <cstdint>
 #include <optional>
@@ -29,5 +28,3 @@ void WriteDifferencePictures(std::span<const uint8_t> a, std::span<const uint8_t
                              const std::string& channel, FrameFileNames& names);
 
 }  // namespace sprout::log
-
-#endif  // SPROUT_SERVICES_TOOLS_LOG_MESSAGE_DIFF_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_LOG_PROGRAM_H_
-#define SPROUT_SERVICES_TOOLS_LOG_PROGRAM_H_
+#pragma once
 
 namespace sprout::log {
 
@@ -10,5 +9,3 @@ namespace sprout::log {
 int LogMain(int argc, const char* const* argv);
 
 }  // namespace sprout::log
-
-#endif  // SPROUT_SERVICES_TOOLS_LOG_PROGRAM_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_LOG_READ_PROGRESS_H_
-#define SPROUT_SERVICES_TOOLS_LOG_READ_PROGRESS_H_
+#pragma once
 
 #include <chrono>
 #include <cstdint>
@@ -42,5 +41,3 @@ std::string DamageText(const LogDamage& damage);
 void WarnOfDamage(const std::filesystem::path& path, const std::vector<LogDamage>& damage);
 
 }  // namespace sprout::log
-
-#endif  // SPROUT_SERVICES_TOOLS_LOG_READ_PROGRESS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_QUALITY_PROGRAM_H_
-#define SPROUT_SERVICES_TOOLS_QUALITY_PROGRAM_H_
+#pragma once
 
 namespace sprout::quality {
 
@@ -10,5 +9,3 @@ namespace sprout::quality {
 int QualityMain(int argc, const char* const* argv);
 
 }  // namespace sprout::quality
-
-#endif  // SPROUT_SERVICES_TOOLS_QUALITY_PROGRAM_H_

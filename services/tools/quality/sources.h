@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_QUALITY_SOURCES_H_
-#define SPROUT_SERVICES_TOOLS_QUALITY_SOURCES_H_
+#pragma once
 
 #include <filesystem>
 #include <functional>
@@ -54,5 +53,3 @@ void MeasureGraph(const LiveOptions& options, Measurement& measurement,
                   const std::function<void()>& refresh);
 
 }  // namespace sprout::quality
-
-#endif  // SPROUT_SERVICES_TOOLS_QUALITY_SOURCES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_QUALITY_VERDICT_H_
-#define SPROUT_SERVICES_TOOLS_QUALITY_VERDICT_H_
+#pragma once
 
 #include <cstdint>
 #include <filesystem>
@@ -89,5 +88,3 @@ std::string JsonText(const Measurement& measurement, std::span<const Limit> limi
 std::string MissingText(const TargetQuality& quality, const TargetSettings& settings);
 
 }  // namespace sprout::quality
-
-#endif  // SPROUT_SERVICES_TOOLS_QUALITY_VERDICT_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_APP_CAPTURED_LOG_H_
-#define SPROUT_TESTS_COMMON_APP_CAPTURED_LOG_H_
+#pragma once
 
 #include <memory>
 #include <string>
@@ -25,5 +24,3 @@ class CapturedLog {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_COMMON_APP_CAPTURED_LOG_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_APP_LOG_FILES_H_
-#define SPROUT_TESTS_COMMON_APP_LOG_FILES_H_
+#pragma once
 
 #include <cstdint>
 #include <string>
@@ -74,5 +73,3 @@ inline TestEvent RigEvent(int64_t seq, const std::string& prefix = "") {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_COMMON_APP_LOG_FILES_H_

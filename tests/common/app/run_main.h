@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_APP_RUN_MAIN_H_
-#define SPROUT_TESTS_COMMON_APP_RUN_MAIN_H_
+#pragma once
 
 #include <gmock/gmock.h>
 
@@ -41,5 +40,3 @@ inline void ExpectRefused(const MainOutcome& outcome, int exit_code, const std::
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_COMMON_APP_RUN_MAIN_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_BUS_FAKE_TCPQ_SERVER_H_
-#define SPROUT_TESTS_COMMON_BUS_FAKE_TCPQ_SERVER_H_
+#pragma once
 
 #include <cstdint>
 #include <string>
@@ -50,5 +49,3 @@ class FakeTcpqServer {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_COMMON_BUS_FAKE_TCPQ_SERVER_H_

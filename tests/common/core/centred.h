@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_CORE_CENTRED_H_
-#define SPROUT_TESTS_COMMON_CORE_CENTRED_H_
+#pragma once
 
 #include "common/core/rig.h"
 
@@ -28,5 +27,3 @@ inline TofCamera CentredTof(int width, int height, double focal_px) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_COMMON_CORE_CENTRED_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_CORE_EVEN_PRIOR_H_
-#define SPROUT_TESTS_COMMON_CORE_EVEN_PRIOR_H_
+#pragma once
 
 #include "common/core/prior_map.h"
 
@@ -14,5 +13,3 @@ inline PriorMap EvenPrior(const DisparityImage& disparity, double sigma_px) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_COMMON_CORE_EVEN_PRIOR_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_FRAMES_JOINER_MESSAGES_H_
-#define SPROUT_TESTS_COMMON_FRAMES_JOINER_MESSAGES_H_
+#pragma once
 
 #include <string>
 #include <vector>
@@ -56,5 +55,3 @@ inline std::vector<int64_t> AddTo(FrameJoiner& joiner, const FrameId& id, Part p
 using Seqs = std::vector<int64_t>;
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_COMMON_FRAMES_JOINER_MESSAGES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_INPUTS_PARTS_H_
-#define SPROUT_TESTS_COMMON_INPUTS_PARTS_H_
+#pragma once
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -31,5 +30,3 @@ inline Parts SceneOf(const std::string& source = "synthetic:640x480?tof=grid", i
 }
 
 }  // namespace sprout::inputs
-
-#endif  // SPROUT_TESTS_COMMON_INPUTS_PARTS_H_

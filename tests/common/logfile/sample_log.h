@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_LOGFILE_SAMPLE_LOG_H_
-#define SPROUT_TESTS_COMMON_LOGFILE_SAMPLE_LOG_H_
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -101,5 +100,3 @@ inline std::vector<Event> SampleEvents(int count) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_COMMON_LOGFILE_SAMPLE_LOG_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_MEASURE_FLAT_TARGET_H_
-#define SPROUT_TESTS_COMMON_MEASURE_FLAT_TARGET_H_
+#pragma once
 
 #include <Eigen/Core>
 #include <cmath>
@@ -71,5 +70,3 @@ class TargetNoise {
 inline constexpr float kNoDisparity = std::numeric_limits<float>::quiet_NaN();
 
 }  // namespace sprout::testing
-
-#endif  // SPROUT_TESTS_COMMON_MEASURE_FLAT_TARGET_H_

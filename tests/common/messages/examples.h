@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_MESSAGES_EXAMPLES_H_
-#define SPROUT_TESTS_COMMON_MESSAGES_EXAMPLES_H_
+#pragma once
 
 #include <cmath>
 #include <cstdint>
@@ -269,5 +268,3 @@ inline std::vector<Wire> AllWires() {
 }
 
 }  // namespace sprout::examples
-
-#endif  // SPROUT_TESTS_COMMON_MESSAGES_EXAMPLES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_MESSAGES_ROUND_TRIP_H_
-#define SPROUT_TESTS_COMMON_MESSAGES_ROUND_TRIP_H_
+#pragma once
 
 #include <gtest/gtest.h>
 
@@ -32,5 +31,3 @@ inline void ExpectSamePixels(const cv::Mat& actual, const cv::Mat& expected) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_COMMON_MESSAGES_ROUND_TRIP_H_

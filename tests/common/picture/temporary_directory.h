@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_PICTURE_TEMPORARY_DIRECTORY_H_
-#define SPROUT_TESTS_COMMON_PICTURE_TEMPORARY_DIRECTORY_H_
+#pragma once
 
 #include <gtest/gtest.h>
 
@@ -41,5 +40,3 @@ inline std::string FileText(const std::filesystem::path& path) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_COMMON_PICTURE_TEMPORARY_DIRECTORY_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_RIG_KITTI_RAW_H_
-#define SPROUT_TESTS_COMMON_RIG_KITTI_RAW_H_
+#pragma once
 
 #include <algorithm>
 #include <filesystem>
@@ -56,5 +55,3 @@ inline RawRig KittiRig(const KittiValues& values) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_COMMON_RIG_KITTI_RAW_H_

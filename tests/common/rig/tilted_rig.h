@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_RIG_TILTED_RIG_H_
-#define SPROUT_TESTS_COMMON_RIG_TILTED_RIG_H_
+#pragma once
 
 #include "common/rig/raw_rig.h"
 
@@ -40,5 +39,3 @@ inline RawRig TiltedRig() {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_COMMON_RIG_TILTED_RIG_H_

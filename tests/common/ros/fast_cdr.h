@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_ROS_FAST_CDR_H_
-#define SPROUT_TESTS_COMMON_ROS_FAST_CDR_H_
+#pragma once
 
 #include <fastcdr/Cdr.h>
 #include <fastcdr/FastBuffer.h>
@@ -138,5 +137,3 @@ std::vector<uint8_t> Write(const T& message, Cdr::Endianness order) {
 }
 
 }  // namespace sprout::fast_cdr
-
-#endif  // SPROUT_TESTS_COMMON_ROS_FAST_CDR_H_

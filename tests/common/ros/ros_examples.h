@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_ROS_ROS_EXAMPLES_H_
-#define SPROUT_TESTS_COMMON_ROS_ROS_EXAMPLES_H_
+#pragma once
 
 #include <nlohmann/json.hpp>
 #include <string>
@@ -155,5 +154,3 @@ void ForEachRosExample(const Visit& visit) {
 }
 
 }  // namespace sprout::examples
-
-#endif  // SPROUT_TESTS_COMMON_ROS_ROS_EXAMPLES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_SCENES_KITTI_FOLDER_H_
-#define SPROUT_TESTS_COMMON_SCENES_KITTI_FOLDER_H_
+#pragma once
 
 #include <array>
 #include <memory>
@@ -49,5 +48,3 @@ class KittiFolder {
 };
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_TESTS_COMMON_SCENES_KITTI_FOLDER_H_

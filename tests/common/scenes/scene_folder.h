@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_SCENES_SCENE_FOLDER_H_
-#define SPROUT_TESTS_COMMON_SCENES_SCENE_FOLDER_H_
+#pragma once
 
 #include <filesystem>
 #include <opencv2/core.hpp>
@@ -44,5 +43,3 @@ cv::Mat3b SomePicture(cv::Size size);
 std::string OpenError(const CaptureConfig& config);
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_TESTS_COMMON_SCENES_SCENE_FOLDER_H_

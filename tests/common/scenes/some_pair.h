@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_SCENES_SOME_PAIR_H_
-#define SPROUT_TESTS_COMMON_SCENES_SOME_PAIR_H_
+#pragma once
 
 #include "common/core/rig.h"
 
@@ -16,5 +15,3 @@ inline RectifiedPair SomePair() {
 }
 
 }  // namespace sprout::scenes
-
-#endif  // SPROUT_TESTS_COMMON_SCENES_SOME_PAIR_H_

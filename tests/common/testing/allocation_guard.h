@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_TESTING_ALLOCATION_GUARD_H_
-#define SPROUT_TESTS_COMMON_TESTING_ALLOCATION_GUARD_H_
+#pragma once
 
 #include <cstddef>
 #include <cstdint>
@@ -27,5 +26,3 @@ class AllocationGuard {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_COMMON_TESTING_ALLOCATION_GUARD_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_TESTING_INSTRUCTION_SETS_H_
-#define SPROUT_TESTS_COMMON_TESTING_INSTRUCTION_SETS_H_
+#pragma once
 
 #include <hwy/highway.h>
 
@@ -24,5 +23,3 @@ void ForEachInstructionSet(const Run& run) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_COMMON_TESTING_INSTRUCTION_SETS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_TESTING_THROWN_H_
-#define SPROUT_TESTS_COMMON_TESTING_THROWN_H_
+#pragma once
 
 #include <functional>
 #include <string>
@@ -18,5 +17,3 @@ std::string Thrown(const std::function<void()>& action) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_COMMON_TESTING_THROWN_H_

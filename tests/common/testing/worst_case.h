@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_TESTING_WORST_CASE_H_
-#define SPROUT_TESTS_COMMON_TESTING_WORST_CASE_H_
+#pragma once
 
 #include <ctime>
 
@@ -25,5 +24,3 @@ double CpuSeconds(const Work& work) {
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_COMMON_TESTING_WORST_CASE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_COMMON_TESTING_WORST_SEEDS_H_
-#define SPROUT_TESTS_COMMON_TESTING_WORST_SEEDS_H_
+#pragma once
 
 #include <cmath>
 #include <numbers>
@@ -66,5 +65,3 @@ inline std::vector<WorstSeeds> MakeWorstSeeds(cv::Size size, int count = kWorstC
 }
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_COMMON_TESTING_WORST_SEEDS_H_

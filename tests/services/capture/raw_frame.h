@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SERVICES_CAPTURE_RAW_FRAME_H_
-#define SPROUT_TESTS_SERVICES_CAPTURE_RAW_FRAME_H_
+#pragma once
 
 #include <memory>
 #include <opencv2/core.hpp>
@@ -28,5 +27,3 @@ inline RigInUsePtr TurnedRig() {
 }
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_TESTS_SERVICES_CAPTURE_RAW_FRAME_H_

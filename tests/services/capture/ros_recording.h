@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SERVICES_CAPTURE_ROS_RECORDING_H_
-#define SPROUT_TESTS_SERVICES_CAPTURE_ROS_RECORDING_H_
+#pragma once
 
 #include <gtest/gtest.h>
 
@@ -121,5 +120,3 @@ inline std::string Complaint(const std::string& source) {
 }
 
 }  // namespace sprout::capture
-
-#endif  // SPROUT_TESTS_SERVICES_CAPTURE_ROS_RECORDING_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SERVICES_GROW_GROW_SCENES_H_
-#define SPROUT_TESTS_SERVICES_GROW_GROW_SCENES_H_
+#pragma once
 
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -30,5 +29,3 @@ GrowConfig EpcConfig();
 void ExpectSame(const DisparityImage& fast, const DisparityImage& slow);
 
 }  // namespace sprout::grow
-
-#endif  // SPROUT_TESTS_SERVICES_GROW_GROW_SCENES_H_

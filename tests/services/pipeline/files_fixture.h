@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SERVICES_PIPELINE_FILES_FIXTURE_H_
-#define SPROUT_TESTS_SERVICES_PIPELINE_FILES_FIXTURE_H_
+#pragma once
 
 #include <gmock/gmock.h>
 
@@ -150,5 +149,3 @@ class Files : public testing::Test {
 };
 
 }  // namespace sprout
-
-#endif  // SPROUT_TESTS_SERVICES_PIPELINE_FILES_FIXTURE_H_

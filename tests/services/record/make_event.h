@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SERVICES_RECORD_MAKE_EVENT_H_
-#define SPROUT_TESTS_SERVICES_RECORD_MAKE_EVENT_H_
+#pragma once
 
 #include <filesystem>
 #include <string>
@@ -39,5 +38,3 @@ inline LogContent ReadLog(const std::filesystem::path& path) {
 }
 
 }  // namespace sprout::record
-
-#endif  // SPROUT_TESTS_SERVICES_RECORD_MAKE_EVENT_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SERVICES_REFINE_REFINE_SCENE_H_
-#define SPROUT_TESTS_SERVICES_REFINE_REFINE_SCENE_H_
+#pragma once
 
 #include <limits>
 #include <opencv2/imgproc.hpp>
@@ -101,5 +100,3 @@ struct BoxScene : Scene {
 };
 
 }  // namespace sprout::refine
-
-#endif  // SPROUT_TESTS_SERVICES_REFINE_REFINE_SCENE_H_

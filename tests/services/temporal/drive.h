@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SERVICES_TEMPORAL_DRIVE_H_
-#define SPROUT_TESTS_SERVICES_TEMPORAL_DRIVE_H_
+#pragma once
 
 #include <vector>
 
@@ -25,5 +24,3 @@ inline std::vector<TemporalInput> Drive(int frames) {
 }
 
 }  // namespace sprout::temporal
-
-#endif  // SPROUT_TESTS_SERVICES_TEMPORAL_DRIVE_H_

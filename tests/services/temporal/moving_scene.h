@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SERVICES_TEMPORAL_MOVING_SCENE_H_
-#define SPROUT_TESTS_SERVICES_TEMPORAL_MOVING_SCENE_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 
@@ -30,5 +29,3 @@ TemporalInput FrameFrom(const MovingScene& scene, int64_t seq, double noise_px);
 double ErrorOf(const DisparityImage& disparity, const MovingScene& scene);
 
 }  // namespace sprout::temporal
-
-#endif  // SPROUT_TESTS_SERVICES_TEMPORAL_MOVING_SCENE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SERVICES_VIEW_VIEW_FRAMES_H_
-#define SPROUT_TESTS_SERVICES_VIEW_VIEW_FRAMES_H_
+#pragma once
 
 #include <chrono>
 #include <opencv2/core.hpp>
@@ -61,5 +60,3 @@ inline void AddWhole(RingInput& input, int64_t seq) {
 }
 
 }  // namespace sprout::view
-
-#endif  // SPROUT_TESTS_SERVICES_VIEW_VIEW_FRAMES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SYSTEM_FASTDDS_FAST_CAMERA_H_
-#define SPROUT_TESTS_SYSTEM_FASTDDS_FAST_CAMERA_H_
+#pragma once
 
 #include <cmath>
 #include <cstring>
@@ -177,5 +176,3 @@ class Camera {
 };
 
 }  // namespace sprout::fast_peer
-
-#endif  // SPROUT_TESTS_SYSTEM_FASTDDS_FAST_CAMERA_H_

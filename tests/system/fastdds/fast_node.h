@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SYSTEM_FASTDDS_FAST_NODE_H_
-#define SPROUT_TESTS_SYSTEM_FASTDDS_FAST_NODE_H_
+#pragma once
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
@@ -129,5 +128,3 @@ class Node {
 };
 
 }  // namespace sprout::fast_peer
-
-#endif  // SPROUT_TESTS_SYSTEM_FASTDDS_FAST_NODE_H_

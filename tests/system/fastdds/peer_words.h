@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SYSTEM_FASTDDS_PEER_WORDS_H_
-#define SPROUT_TESTS_SYSTEM_FASTDDS_PEER_WORDS_H_
+#pragma once
 
 #include <algorithm>
 #include <chrono>
@@ -45,5 +44,3 @@ class Options {
 };
 
 }  // namespace sprout::fast_peer
-
-#endif  // SPROUT_TESTS_SYSTEM_FASTDDS_PEER_WORDS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_IMPORT_FOREIGN_RIG_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_IMPORT_FOREIGN_RIG_H_
+#pragma once
 
 #include <Eigen/Core>
 #include <filesystem>
@@ -76,5 +75,3 @@ bool IsOpencvFile(const ForeignFile& file);
 ForeignRig ReadOpencvRig(const std::vector<ForeignFile>& files);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_IMPORT_FOREIGN_RIG_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_IMPORT_IMPORT_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_IMPORT_IMPORT_H_
+#pragma once
 
 #include <filesystem>
 #include <string>
@@ -22,5 +21,3 @@ struct ImportOptions {
 int RunImport(const ImportOptions& options);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_IMPORT_IMPORT_H_

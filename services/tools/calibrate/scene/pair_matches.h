@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_PAIR_MATCHES_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_PAIR_MATCHES_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <vector>
@@ -36,5 +35,3 @@ PairMatches MatchPair(const cv::Mat1b& left, const cv::Mat1b& right,
                       const MatchEffort& effort = {});
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_PAIR_MATCHES_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_RANGE_CURVE_FIT_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_RANGE_CURVE_FIT_H_
+#pragma once
 
 #include <vector>
 
@@ -48,5 +47,3 @@ RangeFit FitRangeCurve(std::vector<RangeSample> samples);
 RangeCorrection Chained(const RangeCorrection& first, const RangeCorrection& then);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_RANGE_CURVE_FIT_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_RIG_CHANGE_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_RIG_CHANGE_H_
+#pragma once
 
 #include <Eigen/Geometry>
 #include <array>
@@ -101,5 +100,3 @@ class PlaceAxes {
 };
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_RIG_CHANGE_H_

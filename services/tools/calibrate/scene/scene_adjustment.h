@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_ADJUSTMENT_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_ADJUSTMENT_H_
+#pragma once
 
 #include <Eigen/Core>
 #include <array>
@@ -78,5 +77,3 @@ std::vector<MatchResidual> ResidualsOf(const RawRig& rig, const std::vector<Scen
                                        const RigNumbers& change);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_ADJUSTMENT_H_

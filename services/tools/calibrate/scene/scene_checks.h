@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_CHECKS_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_CHECKS_H_
+#pragma once
 
 #include <string>
 #include <vector>
@@ -50,5 +49,3 @@ std::vector<std::string> ReasonsToCalibrate(const SceneRefinement& refinement,
                                             const RectifiedPair& pair);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_CHECKS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_REFINER_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_REFINER_H_
+#pragma once
 
 #include <optional>
 #include <string>
@@ -143,5 +142,3 @@ class SceneRefiner {
 };
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_REFINER_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_TOF_PATCHES_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_TOF_PATCHES_H_
+#pragma once
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
@@ -48,5 +47,3 @@ class TofPatches {
 };
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_TOF_PATCHES_H_

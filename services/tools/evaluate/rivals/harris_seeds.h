@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_RIVALS_HARRIS_SEEDS_H_
-#define SPROUT_SERVICES_TOOLS_EVALUATE_RIVALS_HARRIS_SEEDS_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <vector>
@@ -27,5 +26,3 @@ std::vector<Seed> MatchHarrisCorners(const cv::Mat1b& left, const cv::Mat1b& rig
                                      const HarrisSettings& settings);
 
 }  // namespace sprout::evaluate
-
-#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_RIVALS_HARRIS_SEEDS_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_RIVALS_PADDED_PAIR_H_
-#define SPROUT_SERVICES_TOOLS_EVALUATE_RIVALS_PADDED_PAIR_H_
+#pragma once
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
@@ -47,5 +46,3 @@ class PaddedPair {
 cv::Mat1f MatchPadded(cv::StereoMatcher& matcher, const PaddedPair& pair);
 
 }  // namespace sprout::evaluate
-
-#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_RIVALS_PADDED_PAIR_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_EVALUATE_RIVALS_RIVAL_H_
-#define SPROUT_SERVICES_TOOLS_EVALUATE_RIVALS_RIVAL_H_
+#pragma once
 
 #include <opencv2/core.hpp>
 #include <span>
@@ -40,5 +39,3 @@ struct Rival {
 std::vector<Rival> AllRivals();
 
 }  // namespace sprout::evaluate
-
-#endif  // SPROUT_SERVICES_TOOLS_EVALUATE_RIVALS_RIVAL_H_

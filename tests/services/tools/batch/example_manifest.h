@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SERVICES_TOOLS_BATCH_EXAMPLE_MANIFEST_H_
-#define SPROUT_TESTS_SERVICES_TOOLS_BATCH_EXAMPLE_MANIFEST_H_
+#pragma once
 
 #include <string>
 
@@ -40,5 +39,3 @@ inline Manifest ExampleManifest() {
 }
 
 }  // namespace sprout::batch
-
-#endif  // SPROUT_TESTS_SERVICES_TOOLS_BATCH_EXAMPLE_MANIFEST_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SERVICES_TOOLS_CALIBRATE_BOARD_SCENE_H_
-#define SPROUT_TESTS_SERVICES_TOOLS_CALIBRATE_BOARD_SCENE_H_
+#pragma once
 
 #include <Eigen/Geometry>
 #include <array>
@@ -53,5 +52,3 @@ class BoardScene {
 std::vector<Pose> BoardPoses(const Board& board, int count);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_TESTS_SERVICES_TOOLS_CALIBRATE_BOARD_SCENE_H_

@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SERVICES_TOOLS_CALIBRATE_KNOCKED_SCENE_H_
-#define SPROUT_TESTS_SERVICES_TOOLS_CALIBRATE_KNOCKED_SCENE_H_
+#pragma once
 
 #include <cstdint>
 #include <vector>
@@ -31,5 +30,3 @@ Result<SceneRefinement> RefineKnocked(const RawRig& rig, const RigNumbers& error
 RigNumbers ErrorsLeft(const RawRig& truth, const RawRig& rig);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_TESTS_SERVICES_TOOLS_CALIBRATE_KNOCKED_SCENE_H_

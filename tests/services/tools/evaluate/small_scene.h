@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SERVICES_TOOLS_EVALUATE_SMALL_SCENE_H_
-#define SPROUT_TESTS_SERVICES_TOOLS_EVALUATE_SMALL_SCENE_H_
+#pragma once
 
 #include "services/tools/evaluate/scene.h"
 
@@ -9,5 +8,3 @@ namespace sprout::evaluate {
 inline Scene SmallScene() { return LoadScene("synthetic:96x72", TofChoice("grid:4"), {}); }
 
 }  // namespace sprout::evaluate
-
-#endif  // SPROUT_TESTS_SERVICES_TOOLS_EVALUATE_SMALL_SCENE_H_

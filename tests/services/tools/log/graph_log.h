@@ -1,5 +1,4 @@
-#ifndef SPROUT_TESTS_SERVICES_TOOLS_LOG_GRAPH_LOG_H_
-#define SPROUT_TESTS_SERVICES_TOOLS_LOG_GRAPH_LOG_H_
+#pragma once
 
 #include <gmock/gmock.h>
 
@@ -167,5 +166,3 @@ inline std::vector<std::tuple<int64_t, std::string, Bytes>> Contents(
 }
 
 }  // namespace sprout::log
-
-#endif  // SPROUT_TESTS_SERVICES_TOOLS_LOG_GRAPH_LOG_H_
