@@ -1,7 +1,6 @@
 #include "services/depth/cloud.h"
 
 #include <cassert>
-#include <cstdint>
 
 #include "common/geometry/projection.h"
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -10,7 +9,6 @@
 #include "common/rig/rig_file.h"
 #include "services/depth/cloud.h"
 #include "services/depth/depth_map.h"
-#include "services/depth/map_filter.h"
 #include "services/depth/preview.h"
 
 namespace sprout::depth {

@@ -8,7 +8,6 @@
 #include <limits>
 #include <vector>
 
-#include "services/depth/cloud.h"
 #include "services/depth/rays.h"
 #include "services/depth/view_kernel.h"
 

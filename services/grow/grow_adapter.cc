@@ -1,7 +1,6 @@
 #include "services/grow/grow_adapter.h"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 
 #include "common/core/image.h"

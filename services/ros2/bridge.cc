@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <exception>
-#include <set>
 #include <utility>
 
 #include "common/app/status_board.h"

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "common/core/parallel.h"
-#include "services/temporal/image_pyramid.h"
 #include "services/temporal/motion_estimator.h"
 #include "services/temporal/point_tracker.h"
 

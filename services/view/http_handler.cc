@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <exception>
 #include <limits>
-#include <span>
 #include <system_error>
 #include <utility>
 

@@ -1,6 +1,5 @@
 // sprout-batch with the real stages, on this machine and with a real Slurm (slurm_cluster).
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <chrono>
 #include <cmath>

@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "common/bus/channels.h"
 #include "common/bus/receiver.h"

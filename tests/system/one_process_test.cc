@@ -1,6 +1,5 @@
 // sprout-pipeline in the place of refine, prior and grow.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <csignal>

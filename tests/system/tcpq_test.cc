@@ -1,6 +1,5 @@
 // The whole graph over LCM's own tcpq server, which is killed and started again.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <csignal>

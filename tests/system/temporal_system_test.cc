@@ -1,6 +1,5 @@
 // sprout-temporal as a process, live and replayed.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "common/logfile/log_writer.h"
 #include "common/messages/codec.h"

@@ -1,6 +1,5 @@
 // What people use beside the stages: depth and clouds as messages, the board of statuses.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <csignal>
 #include <nlohmann/json.hpp>

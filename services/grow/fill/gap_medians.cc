@@ -2,7 +2,6 @@
 #include "services/grow/fill/gap_medians.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #undef HWY_TARGET_INCLUDE

@@ -2,7 +2,6 @@
 #include "services/prior/edges/data_term_kernel.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstdint>
 #include <cstdlib>

@@ -1,7 +1,6 @@
 #include "services/prior/triangulation/interpolation.h"
 
 #include <cstdint>
-#include <vector>
 
 #include "common/core/parallel.h"
 #include "services/prior/triangulation/paint_kernel.h"

@@ -2,7 +2,6 @@
 
 #include <fmt/ranges.h>
 
-#include <cstdint>
 #include <vector>
 
 #include "common/config/config_error.h"

@@ -6,10 +6,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <stdexcept>
-#include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "common/config/config_error.h"
 #include "common/core/image.h"

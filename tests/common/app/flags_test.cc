@@ -1,7 +1,6 @@
 #include "common/app/flags.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <optional>
 

@@ -1,7 +1,6 @@
 #include "common/app/frame_assembler.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "common/messages/codec.h"
 #include "tests/common/app/captured_log.h"

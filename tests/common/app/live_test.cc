@@ -1,12 +1,10 @@
 #include "common/app/live.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <optional>
-#include <span>
 #include <thread>
 
 #include "common/core/digest.h"

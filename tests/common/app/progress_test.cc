@@ -1,12 +1,9 @@
 #include "common/app/progress.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <poll.h>
 #include <pty.h>
 #include <unistd.h>
-
-#include <string>
 
 namespace sprout {
 namespace {

@@ -1,7 +1,6 @@
 #include "common/app/replay.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <filesystem>
 #include <stdexcept>

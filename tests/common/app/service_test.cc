@@ -1,7 +1,6 @@
 #include "common/app/service.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <csignal>
 #include <sstream>

@@ -1,9 +1,6 @@
 #include "common/app/silence_watch.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <thread>
 
 #include "tests/common/app/captured_log.h"
 

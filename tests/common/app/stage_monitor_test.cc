@@ -1,7 +1,6 @@
 #include "common/app/stage_monitor.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <algorithm>

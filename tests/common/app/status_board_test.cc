@@ -1,7 +1,6 @@
 #include "common/app/status_board.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 

@@ -1,14 +1,12 @@
 #include "common/app/supervision.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
-#include <string>
 #include <thread>
 #include <vector>
 

@@ -5,7 +5,6 @@
 #include <atomic>
 #include <chrono>
 #include <future>
-#include <thread>
 
 #include "common/bus/mailbox.h"
 #include "common/bus/publisher.h"

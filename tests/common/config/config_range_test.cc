@@ -1,7 +1,6 @@
 #include <gmock/gmock.h>
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/text_format.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>

@@ -2,11 +2,9 @@
 
 #include <gmock/gmock.h>
 
-#include <filesystem>
 #include <fstream>
 
 #include "common/config/config_difference.h"
-#include "common/config/config_error.h"
 #include "common/config/frame_range.h"
 #include "common/config/left_out.h"
 #include "tests/common/picture/temporary_directory.h"

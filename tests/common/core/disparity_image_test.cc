@@ -2,9 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <limits>
-
 #include "common/core/prior_map.h"
 #include "tests/common/core/even_prior.h"
 

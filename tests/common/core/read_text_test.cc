@@ -1,7 +1,6 @@
 #include "common/core/read_text.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

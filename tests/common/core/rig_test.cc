@@ -7,7 +7,6 @@
 #include <locale>
 #include <set>
 #include <stdexcept>
-#include <string>
 
 #include "common/core/digest.h"
 #include "tests/common/picture/temporary_directory.h"

@@ -1,7 +1,6 @@
 #include "common/frames/frame_index.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/common/app/log_files.h"
 

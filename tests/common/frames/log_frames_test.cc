@@ -1,7 +1,6 @@
 #include "common/frames/log_frames.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "common/logfile/log_error.h"
 #include "tests/common/app/log_files.h"

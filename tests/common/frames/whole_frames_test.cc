@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "common/frames/log_frames.h"
 #include "common/logfile/event_fetcher.h"

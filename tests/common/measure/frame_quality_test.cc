@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <set>
-#include <string_view>
 
 namespace sprout {
 namespace {

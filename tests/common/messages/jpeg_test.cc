@@ -1,7 +1,6 @@
 #include "common/messages/jpeg.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <chrono>

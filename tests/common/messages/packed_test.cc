@@ -1,7 +1,6 @@
 #include "common/messages/packed.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <lcmtypes/sprout/packed_t.hpp>

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include "common/messages/message_type.h"
-#include "tests/common/messages/examples.h"
 
 namespace sprout {
 namespace {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <limits>
 #include <opencv2/imgproc.hpp>
-#include <string>
 
 #include "common/picture/text.h"
 #include "tests/common/core/centred.h"

@@ -4,13 +4,10 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <string>
-#include <vector>
 
 #include "common/core/quantile.h"
 #include "common/rig/rectifier.h"

@@ -11,7 +11,6 @@
 
 #include "common/geometry/lens.h"
 #include "common/geometry/projection.h"
-#include "common/rig/bilinear_remap.h"
 #include "tests/common/rig/tilted_rig.h"
 
 namespace sprout {

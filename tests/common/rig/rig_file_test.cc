@@ -1,14 +1,12 @@
 #include "common/rig/rig_file.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <fstream>
 #include <functional>
 #include <numbers>
 #include <sstream>
-#include <string>
 
 #include "common/config/config_error.h"
 #include "common/core/read_text.h"

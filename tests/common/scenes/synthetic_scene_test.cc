@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/scenes/dataset.h"
-
 namespace sprout::scenes {
 namespace {
 

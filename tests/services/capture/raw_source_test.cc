@@ -1,7 +1,6 @@
 #include "services/capture/raw_source.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>

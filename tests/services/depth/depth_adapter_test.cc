@@ -1,7 +1,6 @@
 #include "services/depth/depth_adapter.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <fstream>
 #include <string>

@@ -1,7 +1,6 @@
 #include "services/grow/grow_adapter.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <opencv2/imgproc.hpp>
 

@@ -1,12 +1,10 @@
 #include "services/grow/grower.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <opencv2/imgproc.hpp>
 #include <set>
 #include <utility>
-#include <vector>
 
 #include "tests/services/grow/grow_scenes.h"
 

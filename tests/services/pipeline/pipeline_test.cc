@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <optional>
-#include <vector>
 
 #include "common/geometry/projection.h"
 #include "common/scenes/dataset.h"

@@ -1,6 +1,5 @@
 // The stage and its adapter.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>

@@ -1,7 +1,6 @@
 #include "services/record/log_folder.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <fstream>

@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "services/record/recording.h"
 #include "tests/common/picture/temporary_directory.h"

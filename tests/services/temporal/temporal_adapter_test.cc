@@ -1,7 +1,6 @@
 #include "services/temporal/temporal_adapter.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "services/temporal/confidence_scale.h"
 #include "tests/services/temporal/moving_scene.h"

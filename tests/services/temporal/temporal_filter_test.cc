@@ -1,11 +1,9 @@
 #include "services/temporal/temporal_filter.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <vector>
 
-#include "services/temporal/confidence_scale.h"
 #include "tests/common/testing/instruction_sets.h"
 #include "tests/services/temporal/drive.h"
 

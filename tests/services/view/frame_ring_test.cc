@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
-
 #include "common/logfile/log_reader.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/services/view/view_frames.h"

@@ -1,7 +1,6 @@
 #include "services/view/http_handler.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

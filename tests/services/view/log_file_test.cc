@@ -1,10 +1,8 @@
 #include "services/view/log_file.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <condition_variable>
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 

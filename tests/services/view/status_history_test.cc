@@ -1,7 +1,6 @@
 #include "services/view/status_history.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 

@@ -1,7 +1,6 @@
 #include "services/view/view_session.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "tests/services/view/view_frames.h"
 

@@ -4,7 +4,6 @@
 
 #include <cstring>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "common/geometry/lens.h"

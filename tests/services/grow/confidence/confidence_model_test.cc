@@ -1,10 +1,8 @@
 #include "services/grow/confidence/confidence_model.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
-#include <string>
 
 #include "tests/common/testing/thrown.h"
 

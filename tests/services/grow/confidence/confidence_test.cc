@@ -5,7 +5,6 @@
 #include <cmath>
 #include <random>
 #include <string>
-#include <vector>
 
 #include "tests/common/testing/instruction_sets.h"
 #include "tests/services/grow/grow_scenes.h"

@@ -2,10 +2,8 @@
 #include "services/prior/edges/edge_surfaces.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <random>
 

@@ -1,7 +1,6 @@
 #include "services/prior/edges/seed_planes.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>

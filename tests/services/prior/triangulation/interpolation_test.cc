@@ -1,14 +1,10 @@
 #include "services/prior/triangulation/interpolation.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <optional>
 #include <random>
 #include <string>
-#include <vector>
 
 #include "tests/common/testing/instruction_sets.h"
 

@@ -1,7 +1,6 @@
 #include "services/prior/triangulation/triangulation.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <chrono>

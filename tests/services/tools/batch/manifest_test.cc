@@ -2,7 +2,6 @@
 #include "services/tools/batch/manifest.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <fstream>
 

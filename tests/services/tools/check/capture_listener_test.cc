@@ -1,7 +1,6 @@
 #include "services/tools/check/capture_listener.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <functional>

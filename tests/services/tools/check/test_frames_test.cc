@@ -2,9 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include <string>
-#include <vector>
-
 #include "common/bus/channels.h"
 #include "common/config/config_error.h"
 #include "common/messages/codec.h"

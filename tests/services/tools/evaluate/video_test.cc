@@ -1,7 +1,6 @@
 #include "services/tools/evaluate/video.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
@@ -10,7 +9,6 @@
 #include "common/config/config_error.h"
 #include "common/core/read_text.h"
 #include "services/pipeline/pipeline.h"
-#include "services/tools/evaluate/video_score.h"
 #include "tests/common/core/centred.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/common/scenes/kitti_folder.h"
