@@ -33,7 +33,7 @@ struct StreamDeleter {
 // one in TMPDIR, which has no name: it goes away with the program, however that ends. From a torn
 // file all that is there is unpacked.
 // @param magic  what its content must begin with; else nothing is unpacked.
-// @throws McapError when it begins otherwise, or there is no room for it.
+// @throws ConfigError when it begins otherwise, or there is no room for it.
 UnpackedFile UnpackFile(const fs::path& path, std::string_view magic) {
   std::string temporary = (fs::temp_directory_path() / "sprout-XXXXXX").string();
   const int descriptor = mkstemp(temporary.data());
@@ -61,20 +61,20 @@ UnpackedFile UnpackFile(const fs::path& path, std::string_view magic) {
       is_full = out.pos == out.size && result != 0;  // at the end of a frame nothing is left inside
       if (unpacked.size == 0 && out.pos > 0 &&
           !std::string_view(block.data(), out.pos).starts_with(magic)) {
-        throw McapError(path.string() + ": no MCAP file in it");
+        throw ConfigError(path.string() + ": no MCAP file in it");
       }
       to.write(block.data(), static_cast<std::streamsize>(out.pos));
       unpacked.size += out.pos;
     }
-    if (!to) throw McapError(path.string() + ": no room to unpack it in " + temporary);
+    if (!to) throw ConfigError(path.string() + ": no room to unpack it in " + temporary);
   }
-  if (unpacked.size == 0) throw McapError(path.string() + ": no MCAP file in it");
+  if (unpacked.size == 0) throw ConfigError(path.string() + ": no MCAP file in it");
   if (unpacked.complaint.empty() && result != 0) {
     unpacked.complaint = "the packed file ends before its content does";
   }
   to.close();
   if (!to || !unpacked.file) {
-    throw McapError(path.string() + ": no room to unpack it in " + temporary);
+    throw ConfigError(path.string() + ": no room to unpack it in " + temporary);
   }
   return unpacked;
 }
@@ -135,18 +135,18 @@ struct McapFile::Head {
 McapFile::McapFile(const fs::path& path, std::string name, McapTrouble& trouble)
     : name_(std::move(name)), trouble_(&trouble) {
   std::error_code failed;
-  if (!fs::is_regular_file(path, failed)) throw McapError(path.string() + ": cannot be opened");
+  if (!fs::is_regular_file(path, failed)) throw ConfigError(path.string() + ": cannot be opened");
   NoteInputFile(path);
   file_.open(path, std::ios::binary);
   size_ = fs::file_size(path, failed);
-  if (!file_ || failed) throw McapError(path.string() + ": cannot be opened");
+  if (!file_ || failed) throw ConfigError(path.string() + ": cannot be opened");
   McapBytes magic(std::min<uint64_t>(size_, kMcapMagic.size()));
   ReadContent(0, magic.size(), magic);
   if (IsZstd(magic)) {
     Unpack(path);
   } else if (!std::ranges::equal(magic, kMcapMagic, {}, {},
                                  [](char c) { return static_cast<uint8_t>(c); })) {
-    throw McapError(path.string() + ": no MCAP file" + OtherBag(magic));
+    throw ConfigError(path.string() + ": no MCAP file" + OtherBag(magic));
   }
   Walk();
   if (channels_.empty()) ReadAllChannels();

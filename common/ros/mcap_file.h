@@ -5,19 +5,13 @@
 #include <fstream>
 #include <map>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "common/config/config_error.h"
 #include "common/ros/mcap_format.h"
 
 namespace sprout {
-
-/// A file that cannot be opened, or is no MCAP file.
-class McapError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// What of files could not be read: one line a place, at most 10, and how many there were.
 struct McapTrouble {
@@ -44,7 +38,7 @@ class McapFile {
  public:
   /// Looks at the heads of all records, not at what they hold; O(records).
   /// @param name  of the file in trouble's lines; empty: they name none.
-  /// @throws McapError.
+  /// @throws ConfigError for a file that cannot be opened, or is no MCAP file.
   McapFile(const std::filesystem::path& path, std::string name, McapTrouble& trouble);
 
   /// The stretches in the order of the file.

@@ -39,24 +39,24 @@ fs::path PartThere(const fs::path& part) {
 
 std::vector<fs::path> PartsOfMetadata(const fs::path& folder, const fs::path& metadata) {
   const Result<std::string> text = ReadText(metadata, kMaxListBytes);
-  if (!text) throw McapError(metadata.string() + ": " + text.error().text);
+  if (!text) throw ConfigError(metadata.string() + ": " + text.error().text);
   std::vector<fs::path> parts;
   try {
     const YAML::Node bag = YAML::Load(*text)["rosbag2_bagfile_information"];
     for (const YAML::Node& file : bag["relative_file_paths"]) {
       // Old ones have the folder's name in front.
       const fs::path part = folder / fs::path(file.as<std::string>()).filename();
-      if (part.extension() == ".db3") throw McapError(part.string() + ": " + kOfSqlite);
+      if (part.extension() == ".db3") throw ConfigError(part.string() + ": " + kOfSqlite);
       parts.push_back(PartThere(part));
       if (!fs::exists(parts.back())) {
-        throw McapError(metadata.string() + " names " + part.filename().string() +
-                        ", which is not there");
+        throw ConfigError(metadata.string() + " names " + part.filename().string() +
+                          ", which is not there");
       }
     }
   } catch (const YAML::Exception& e) {
-    throw McapError(metadata.string() + ": cannot be read: " + e.what());
+    throw ConfigError(metadata.string() + ": cannot be read: " + e.what());
   }
-  if (parts.empty()) throw McapError(metadata.string() + ": names no file");
+  if (parts.empty()) throw ConfigError(metadata.string() + ": names no file");
   return parts;
 }
 
@@ -75,8 +75,8 @@ std::vector<fs::path> PartsOf(const fs::path& folder) {
     return part.extension() == ".zstd" &&
            std::ranges::binary_search(parts, fs::path(part).replace_extension());
   });
-  if (parts.empty() && has_sqlite) throw McapError(folder.string() + ": " + kOfSqlite);
-  if (parts.empty()) throw McapError(folder.string() + ": a folder without .mcap files");
+  if (parts.empty() && has_sqlite) throw ConfigError(folder.string() + ": " + kOfSqlite);
+  if (parts.empty()) throw ConfigError(folder.string() + ": a folder without .mcap files");
   return parts;
 }
 
@@ -253,7 +253,7 @@ std::vector<fs::path> McapParts(std::string_view bag) {
   try {
     if (fs::is_directory(bag, failed)) return PartsOf(bag);
   } catch (const fs::filesystem_error& e) {
-    throw McapError(std::string(bag) + ": " + e.code().message());
+    throw ConfigError(std::string(bag) + ": " + e.code().message());
   }
   if (fs::exists(bag, failed)) return {fs::path(bag)};
   std::vector<fs::path> parts;

@@ -49,7 +49,7 @@ class McapReader {
   /// Looks at the heads of all records; O(records of the outer level).
   /// @param files  at least one.
   /// @param most_unpacked_bytes  of chunks that are kept in memory.
-  /// @throws McapError.
+  /// @throws ConfigError.
   explicit McapReader(const std::vector<std::filesystem::path>& files,
                       uint64_t most_unpacked_bytes = kMaxUnpackedBytes);
   explicit McapReader(const std::filesystem::path& file) : McapReader(std::vector{file}) {}
@@ -118,7 +118,7 @@ class McapReader {
 
 /// The files of a bag: of a folder those that rosbag2's metadata.yaml in it names or, without one,
 /// all *.mcap and *.mcap.zstd; of "a.mcap,b.mcap" both; else the file itself.
-/// @throws McapError naming the folder that has none, or what of it is missing.
+/// @throws ConfigError naming the folder that has none, or what of it is missing.
 std::vector<std::filesystem::path> McapParts(std::string_view bag);
 
 /// Which other kind of bag begins with these bytes, and what makes an MCAP file of it, for the end

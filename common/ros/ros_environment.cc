@@ -57,7 +57,8 @@ std::vector<std::string> StaticPeers() {
     const size_t end = std::min(text.find(';', begin), text.size());
     const std::string peer = text.substr(begin, end - begin);
     if (peer.find_first_of("<>&\"' ") != std::string::npos) {
-      throw RosError("ROS_STATIC_PEERS = '" + text + "': allowed are hosts, with ; between them");
+      throw ConfigError("ROS_STATIC_PEERS = '" + text +
+                        "': allowed are hosts, with ; between them");
     }
     if (!peer.empty()) peers.push_back(peer);
     begin = end + 1;
@@ -76,8 +77,8 @@ Discovery DiscoveryOfEnvironment() {
   } else if (range == "SYSTEM_DEFAULT") {
     discovery.peers.clear();
   } else if (!range.empty() && range != "SUBNET") {
-    throw RosError("ROS_AUTOMATIC_DISCOVERY_RANGE = '" + range +
-                   "': allowed are SUBNET, LOCALHOST, OFF, SYSTEM_DEFAULT");
+    throw ConfigError("ROS_AUTOMATIC_DISCOVERY_RANGE = '" + range +
+                      "': allowed are SUBNET, LOCALHOST, OFF, SYSTEM_DEFAULT");
   }
   // What Humble has in place of the other two; where all are set it counts.
   if (Variable("ROS_LOCALHOST_ONLY") == "1") {
@@ -117,7 +118,7 @@ std::optional<int> RosDomainOfEnvironment() {
   if (text.empty()) return std::nullopt;
   const std::optional<int> domain = ParseNumber<int>(text);
   if (domain && *domain >= 0 && *domain <= kMaxDomain) return domain;
-  throw RosError(fmt::format("ROS_DOMAIN_ID = '{}': allowed is 0 to {}", text, kMaxDomain));
+  throw ConfigError(fmt::format("ROS_DOMAIN_ID = '{}': allowed is 0 to {}", text, kMaxDomain));
 }
 
 std::string CycloneConfig(uint32_t max_message_bytes) {

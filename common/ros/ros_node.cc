@@ -19,7 +19,7 @@ namespace {
 
 int32_t Checked(int32_t handle, const std::string& what) {
   if (handle >= 0) return handle;
-  throw RosError("DDS: " + what + ": " + dds_strretcode(-handle));
+  throw ConfigError("DDS: " + what + ": " + dds_strretcode(-handle));
 }
 
 struct QosDeleter {

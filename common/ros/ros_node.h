@@ -8,19 +8,13 @@
 #include <memory>
 #include <optional>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "common/config/config_error.h"
 #include "common/ros/cdr.h"
 
 namespace sprout {
-
-/// DDS cannot be used: no network, a domain that cannot be.
-class RosError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// How messages of a topic travel.
 struct RosQos {
@@ -39,7 +33,7 @@ struct RosNodeOptions {
   uint32_t max_message_bytes = uint32_t{1} << 30;
 };
 
-/// ROS_DOMAIN_ID; nothing when it is not set. @throws RosError when it is no domain.
+/// ROS_DOMAIN_ID; nothing when it is not set. @throws ConfigError when it is no domain.
 std::optional<int> RosDomainOfEnvironment();
 
 /// Takes what Cyclone DDS would print to stderr, which has no bounded rate: a peer can send
@@ -64,14 +58,14 @@ class RosWarnings {
 /// Thread-safe, but for one reader or writer at a time.
 class RosNode {
  public:
-  /// @throws RosError.
+  /// @throws ConfigError when DDS cannot be used: no network, a domain that cannot be.
   explicit RosNode(const RosNodeOptions& options);
   ~RosNode();
   RosNode(const RosNode&) = delete;
   RosNode& operator=(const RosNode&) = delete;
 
   using Handle = int32_t;
-  /// @param topic  "/sprout/points". @throws RosError.
+  /// @param topic  "/sprout/points". @throws ConfigError.
   Handle AddReader(const std::string& topic, const RosType& type, const RosQos& qos);
   Handle AddWriter(const std::string& topic, const RosType& type, const RosQos& qos);
   void RemoveReader(Handle reader);
@@ -149,7 +143,7 @@ class RosNode {
 
 /// The configuration of Cyclone DDS (XML) for a domain: what Sprout needs, behind it what ROS's
 /// variables say of discovery, behind that CYCLONEDDS_URI. The last word counts.
-/// @throws RosError for a value of a variable that cannot be.
+/// @throws ConfigError for a value of a variable that cannot be.
 std::string CycloneConfig(uint32_t max_message_bytes);
 
 }  // namespace sprout

@@ -30,7 +30,7 @@ using AnyRosMessagePtr = std::unique_ptr<AnyRosMessage>;
 class Bridge {
  public:
   /// @param depth  of sprout-depth, which sends only some frames and some pixels' points.
-  /// @throws ConfigError for a name that cannot be, RosError.
+  /// @throws ConfigError for a name that cannot be, or when DDS cannot be used.
   Bridge(const Ros2Config& config, const DepthConfig& depth, StageMonitor& monitor);
 
   /// The channels (without prefix) that somebody wants now, and those that are always listened to.

@@ -84,20 +84,11 @@ int Main(int argc, char** argv) {
   service.flags().Add("--compressed", compressed,
                       "Also JPEG of the images and compressedDepth of the depth");
   service.flags().Add("--best-effort", best_effort, "Do not send again what was lost");
-  return service.Run(
-      argc, argv,
-      [](const ServiceContext& context) {
-        try {
-          return Run(context);
-        } catch (const RosError& e) {
-          throw ConfigError(e.what());
-        }
-      },
-      [&](SproutConfig& config) {
-        if (domain) config.mutable_ros2()->set_domain(*domain);
-        if (compressed) config.mutable_ros2()->set_compressed(true);
-        if (best_effort) config.mutable_ros2()->set_reliable(false);
-      });
+  return service.Run(argc, argv, Run, [&](SproutConfig& config) {
+    if (domain) config.mutable_ros2()->set_domain(*domain);
+    if (compressed) config.mutable_ros2()->set_compressed(true);
+    if (best_effort) config.mutable_ros2()->set_reliable(false);
+  });
 }
 
 }  // namespace

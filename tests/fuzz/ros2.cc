@@ -84,7 +84,7 @@ void ReadMcapFile(std::span<const uint8_t> bytes) {
       Check(message.data.size() <= kMaxMcapChunkBytes, "a message longer than any chunk");
     }
     Check(reader.position() <= reader.size(), "read behind the end");
-  } catch (const McapError&) {
+  } catch (const ConfigError&) {
   }
 }
 

@@ -38,7 +38,7 @@ class FileInput : public RosInput {
   void StartImages(const RosLimits& /*limits*/) override {
     try {
       reader_ = std::make_unique<McapReader>(McapParts(path_));
-    } catch (const McapError& e) {
+    } catch (const ConfigError& e) {
       throw ConfigError(std::string("capture.source = mcap: ") + e.what());
     }
     roles_to_come_.clear();
@@ -84,22 +84,22 @@ class FileInput : public RosInput {
         }
       }
     }
-    if (!missing.empty()) throw McapError("no topic " + missing + "; " + TopicsText());
+    if (!missing.empty()) throw ConfigError("no topic " + missing + "; " + TopicsText());
   }
 
   void RequireType(RosRole role, const McapTopic& topic) const {
     if (topic.encoding == "ros1") {
-      throw McapError(topic.name + " is in " + path_ +
-                      ", but in ROS 1's encoding: make a bag of ROS 2 of the ROS 1 bag with "
-                      "rosbags-convert (of Python's package rosbags)");
+      throw ConfigError(topic.name + " is in " + path_ +
+                        ", but in ROS 1's encoding: make a bag of ROS 2 of the ROS 1 bag with "
+                        "rosbags-convert (of Python's package rosbags)");
     }
     const std::vector<const RosType*> types = TypesOf(role);
     const bool is_of_type = std::ranges::find(types, topic.type, &RosType::name) != types.end();
     if (is_of_type && topic.encoding == "cdr") return;
     std::string allowed = types[0]->name;
     if (types.size() > 1) allowed += std::string(" and ") + types[1]->name;
-    throw McapError(topic.name + " in " + path_ + " has type " + topic.type + " in encoding " +
-                    topic.encoding + "; allowed is " + allowed + " in cdr");
+    throw ConfigError(topic.name + " in " + path_ + " has type " + topic.type + " in encoding " +
+                      topic.encoding + "; allowed is " + allowed + " in cdr");
   }
 
   // Finds the transforms of a robot with a namespace of its own, whose cameras have none.
@@ -161,7 +161,7 @@ class FileInput : public RosInput {
 std::unique_ptr<RosInput> ReadRosFile(const RosSettings& settings, RosReports reports) {
   try {
     return std::make_unique<FileInput>(settings, std::move(reports));
-  } catch (const McapError& e) {
+  } catch (const ConfigError& e) {
     throw ConfigError(std::string("capture.source = mcap: ") + e.what());
   }
 }

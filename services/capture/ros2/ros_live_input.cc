@@ -138,7 +138,7 @@ class LiveInput : public RosInput {
         for (const std::string& topic : settings_.TopicsOf(role)) Add(role, topic, limits);
       }
       node_->Announce();
-    } catch (const RosError& e) {
+    } catch (const ConfigError& e) {
       throw ConfigError(std::string("capture.source = ros2: ") + e.what());
     }
     next_look_ = Clock::now() + std::chrono::seconds(1);

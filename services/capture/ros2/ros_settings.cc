@@ -91,7 +91,7 @@ bool Apply(const scenes::SourceOption& option, RosSettings& settings) {
 int DomainOfEnvironment(const std::string& source) {
   try {
     return RosDomainOfEnvironment().value_or(0);
-  } catch (const RosError& e) {
+  } catch (const ConfigError& e) {
     throw ConfigError("capture.source = " + source + ": " + e.what());
   }
 }

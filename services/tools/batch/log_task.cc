@@ -223,7 +223,7 @@ class LogTask {
         fmt::format("log {}, {}: {} ended with exit code {}{}", number_, log_.path(),
                     fs::path(command[0]).filename().string(), code, LastLineOf(output));
     attempt_.Fail(fmt::format("{}\n{}\n{}", what, fmt::join(command, " "), output));
-    throw TaskError(what);
+    throw std::runtime_error(what);
   }
 
   // The answers of the kept stages in one log; the others go.

@@ -3,18 +3,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <stdexcept>
 #include <string>
 
 #include "services/tools/batch/manifest.h"
 
 namespace sprout::batch {
-
-/// A stage failed on a log. what() is one line; its output is in failed/ of the batch.
-class TaskError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// Files of a result, and of a comparison. A result without a complete frame has no answers.
 inline constexpr char kAnswers[] = "answers.lcm";
@@ -38,8 +31,8 @@ FileStamp StampOf(const std::filesystem::path& log);
 /// processes do no harm.
 /// @param log      its number in the manifest.
 /// @param threads  of each stage.
-/// @throws TaskError, LogError; ConfigError when a program or a configuration differs from the
-///         manifest's.
+/// @throws std::runtime_error when a stage failed, whose output is in failed/ of the batch;
+///         LogError; ConfigError when a program or a configuration differs from the manifest's.
 void RunLog(const BatchFolder& folder, const Manifest& manifest, int log, int threads);
 
 /// One try to compute a log, which has a file failed/LOG.TRY.txt while it runs. The file is removed

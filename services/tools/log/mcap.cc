@@ -345,15 +345,11 @@ bool IsMcap(const std::filesystem::path& file) {
 }
 
 int RunMcapInfo(const InfoOptions& options) {
-  try {
-    McapReader reader(McapParts(options.file.string()));
-    const McapSummary summary = SummarizeMcap(reader, options.file);
-    std::cout << (options.json ? McapJson(summary, reader, options)
-                               : McapText(summary, reader, options));
-    return options.check && reader.trouble_count() > 0 ? 1 : 0;
-  } catch (const McapError& e) {
-    throw ConfigError(e.what());
-  }
+  McapReader reader(McapParts(options.file.string()));
+  const McapSummary summary = SummarizeMcap(reader, options.file);
+  std::cout << (options.json ? McapJson(summary, reader, options)
+                             : McapText(summary, reader, options));
+  return options.check && reader.trouble_count() > 0 ? 1 : 0;
 }
 
 }  // namespace sprout::log

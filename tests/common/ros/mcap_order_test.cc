@@ -135,7 +135,7 @@ TEST(McapParts, AreThoseThatMetadataNames) {
   EXPECT_EQ(ReadAll(reader).times, Times(0, 200, 1));
   fs::remove(folder / "bag_1.mcap");
   EXPECT_THAT([&] { McapParts((folder / "").string()); },
-              testing::ThrowsMessage<McapError>(
+              testing::ThrowsMessage<ConfigError>(
                   HasSubstr("metadata.yaml names bag_1.mcap.zstd, which is not there")));
 }
 
@@ -182,16 +182,16 @@ TEST(McapParts, OfOtherBagsSayWhatMakesMcapOfThem) {
   std::ofstream(folder / "bag/bag_0.db3") << "SQLite format 3";
   EXPECT_THAT(
       [&] { McapParts((folder / "bag").string()); },
-      testing::ThrowsMessage<McapError>(HasSubstr("SQLite; make MCAP of it with ros2 bag")));
+      testing::ThrowsMessage<ConfigError>(HasSubstr("SQLite; make MCAP of it with ros2 bag")));
   EXPECT_THAT([&] { McapReader(fs::path(folder / "bag/bag_0.db3")); },
-              testing::ThrowsMessage<McapError>(HasSubstr("no MCAP file: a bag in SQLite")));
+              testing::ThrowsMessage<ConfigError>(HasSubstr("no MCAP file: a bag in SQLite")));
   std::ofstream(folder / "a.bag") << "#ROSBAG V2.0\n";
   EXPECT_THAT([&] { McapReader(fs::path(folder / "a.bag")); },
-              testing::ThrowsMessage<McapError>(HasSubstr("rosbags-convert")));
+              testing::ThrowsMessage<ConfigError>(HasSubstr("rosbags-convert")));
   WriteBytes(folder / "packed.mcap.zstd", Bytes());
   Pack(folder / "a.bag", folder / "packed.mcap.zstd");
   EXPECT_THAT([&] { McapReader(fs::path(folder / "packed.mcap.zstd")); },
-              testing::ThrowsMessage<McapError>(HasSubstr("no MCAP file in it")));
+              testing::ThrowsMessage<ConfigError>(HasSubstr("no MCAP file in it")));
 }
 
 TEST(McapMessages, ThatArePackedByThemselvesComeOut) {

@@ -260,10 +260,10 @@ TEST(Mcap, EndsWhereNothingWasWritten) {
 
 TEST(Mcap, IsRefusedWhenItIsNone) {
   const TemporaryDirectory folder;
-  EXPECT_THROW(McapReader(folder / "nothing"), McapError);
+  EXPECT_THROW(McapReader(folder / "nothing"), ConfigError);
   std::vector<Event> events = SampleEvents(3);
   WriteBytes(folder / "log", MakeLog(events));
-  EXPECT_THROW(McapReader(folder / "log"), McapError);
+  EXPECT_THROW(McapReader(folder / "log"), ConfigError);
 }
 
 }  // namespace

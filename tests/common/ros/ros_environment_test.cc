@@ -41,7 +41,7 @@ TEST_F(RosEnvironment, WhatCycloneIsToldComesLast) {
 
 TEST_F(RosEnvironment, WhatCycloneCannotUseIsNamed) {
   setenv("CYCLONEDDS_URI", "file:///nowhere.xml", 1);
-  EXPECT_THAT(Thrown<RosError>([] { RosNode({.domain = 7, .name = "x"}); }),
+  EXPECT_THAT(Thrown<ConfigError>([] { RosNode({.domain = 7, .name = "x"}); }),
               HasSubstr("DDS: domain 7 with CYCLONEDDS_URI = 'file:///nowhere.xml': "));
 }
 
@@ -56,7 +56,7 @@ TEST_F(RosEnvironment, PeersAreAdded) {
   const std::string config = With("ROS_STATIC_PEERS", "10.0.0.2;robot;");
   EXPECT_THAT(config, HasSubstr("<Peer address=\"10.0.0.2\"/><Peer address=\"robot\"/></Peers>"));
   EXPECT_THAT(config, Not(HasSubstr("AllowMulticast")));
-  EXPECT_THROW(With("ROS_STATIC_PEERS", "\"/>"), RosError);
+  EXPECT_THROW(With("ROS_STATIC_PEERS", "\"/>"), ConfigError);
 }
 
 TEST_F(RosEnvironment, OffFindsNobody) {
@@ -64,7 +64,7 @@ TEST_F(RosEnvironment, OffFindsNobody) {
   const std::string config = With("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF");
   EXPECT_THAT(config, HasSubstr("<ParticipantIndex>none<"));
   EXPECT_THAT(config, Not(HasSubstr("robot")));
-  EXPECT_THROW(With("ROS_AUTOMATIC_DISCOVERY_RANGE", "NEAR"), RosError);
+  EXPECT_THROW(With("ROS_AUTOMATIC_DISCOVERY_RANGE", "NEAR"), ConfigError);
 }
 
 TEST_F(RosEnvironment, HumblesVariableCounts) {
@@ -78,9 +78,9 @@ TEST_F(RosEnvironment, TheDomainIsANumberUpTo232) {
   setenv("ROS_DOMAIN_ID", "232", 1);
   EXPECT_EQ(RosDomainOfEnvironment(), 232);
   setenv("ROS_DOMAIN_ID", "233", 1);
-  EXPECT_THROW(RosDomainOfEnvironment(), RosError);
+  EXPECT_THROW(RosDomainOfEnvironment(), ConfigError);
   setenv("ROS_DOMAIN_ID", "seven", 1);
-  EXPECT_THROW(RosDomainOfEnvironment(), RosError);
+  EXPECT_THROW(RosDomainOfEnvironment(), ConfigError);
 }
 
 }  // namespace
