@@ -1,6 +1,6 @@
 #include <fmt/core.h>
 
-#include <condition_variable>
+#include <chrono>
 #include <cstdint>
 #include <exception>
 #include <filesystem>
@@ -23,6 +23,7 @@
 #include "common/bus/channels.h"
 #include "common/bus/receiver.h"
 #include "common/core/digest.h"
+#include "common/core/sleep.h"
 #include "common/frames/sequence_gaps.h"
 #include "common/messages/codec.h"
 #include "services/view/frame_encoder.h"
@@ -119,13 +120,6 @@ struct Options {
   int memory_mb = 1024;
 };
 
-void WaitForStop(const std::stop_token& stop) {
-  std::mutex mutex;
-  std::condition_variable_any stopped;
-  std::unique_lock lock(mutex);
-  stopped.wait(lock, stop, [] { return false; });
-}
-
 void WarnOfStrangers(const std::string& address) {
   if (address.starts_with("127.") || address == "::1") return;
   LogLine(
@@ -140,7 +134,8 @@ void Serve(const ServiceContext& context, const Server& server, const Options& o
   const std::string host = any ? "127.0.0.1" : options.address;
   LogLine(LogLevel::kInfo, "look at http://{}:{}/",
           host.find(':') == std::string::npos ? host : "[" + host + "]", server.port());
-  WaitForStop(context.stop);
+  while (SleepFor(std::chrono::hours(1), context.stop)) {
+  }
 }
 
 // What a page is told first, and what once a second; board and history are JSON already.
@@ -288,8 +283,6 @@ int Main(int argc, char** argv) {
     WarnOfStrangers(options.address);
     try {
       return options.log.empty() ? ShowGraph(context, options) : ShowLog(context, options);
-    } catch (const ListenError& e) {
-      throw ConfigError(e.what());
     } catch (const LogError& e) {
       throw ConfigError(std::string("--log: ") + e.what());
     }

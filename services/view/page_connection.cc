@@ -96,11 +96,30 @@ void PageConnection::SendLater(Work work, bool is_text, bool PageConnection::*bu
 
 void PageConnection::Pump() {
   if (!open_ || !outbox_.empty()) return;
-  PumpProbe();
-  PumpMeasure();
+  FrameEncoder& encoder = *state_.parts.encoder;
+  const auto answer_later = [this](const char* type, auto answer, bool PageConnection::*busy) {
+    const auto text = [type, answer = std::move(answer)] {
+      nlohmann::json json = answer();
+      json["type"] = type;
+      return JsonText(json);
+    };
+    SendLater(text, /*is_text=*/true, busy);
+  };
+  if (auto probe = probing_ ? std::nullopt : session_.TakeProbe()) {
+    const auto answer = [&encoder, probe = std::move(*probe)] {
+      return encoder.Probe(probe.frame, probe.u, probe.v);
+    };
+    answer_later("probe", answer, &PageConnection::probing_);
+  }
+  if (auto measure = measuring_ ? std::nullopt : session_.TakeMeasure()) {
+    // The panel is used on the thread of the pictures only.
+    const auto answer = [&encoder, measure = std::move(*measure)] {
+      return measure.panel->Show(*encoder.Decode(measure.frame));
+    };
+    answer_later("measure", answer, &PageConnection::measuring_);
+  }
   if (encoding_) return;
   if (auto show = session_.TakeFrame()) {
-    FrameEncoder& encoder = *state_.parts.encoder;
     const KeyRange keys = session_.keys();
     SendLater([&encoder, show = std::move(*show),
                keys] { return encoder.Encode(show.frame, show.parts, keys); },
@@ -109,35 +128,6 @@ void PageConnection::Pump() {
   if (const auto gone = session_.TakeGone()) {
     Send({JsonText({{"type", "gone"}, {"key", *gone}}), true, false});
   }
-}
-
-void PageConnection::PumpProbe() {
-  if (probing_) return;
-  auto probe = session_.TakeProbe();
-  if (!probe) return;
-  FrameEncoder& encoder = *state_.parts.encoder;
-  SendLater(
-      [&encoder, probe = std::move(*probe)] {
-        nlohmann::json answer = encoder.Probe(probe.frame, probe.u, probe.v);
-        answer["type"] = "probe";
-        return JsonText(answer);
-      },
-      /*is_text=*/true, &PageConnection::probing_);
-}
-
-// The panel is used on the thread of the pictures only.
-void PageConnection::PumpMeasure() {
-  if (measuring_) return;
-  auto measure = session_.TakeMeasure();
-  if (!measure) return;
-  FrameEncoder& encoder = *state_.parts.encoder;
-  SendLater(
-      [&encoder, measure = std::move(*measure)] {
-        nlohmann::json answer = measure.panel->Show(*encoder.Decode(measure.frame));
-        answer["type"] = "measure";
-        return JsonText(answer);
-      },
-      /*is_text=*/true, &PageConnection::measuring_);
 }
 
 void PageConnection::SendStatus(const std::string& status) {

@@ -36,8 +36,6 @@ class PageConnection : public std::enable_shared_from_this<PageConnection> {
 
   void Read();
   void OnRead(boost::beast::error_code error);
-  void PumpProbe();
-  void PumpMeasure();
   void Send(Message message);
   void Write();
 

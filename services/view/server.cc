@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/app/compute.h"
+#include "common/config/config_error.h"
 #include "services/view/http_connection.h"
 #include "services/view/page_connection.h"
 
@@ -57,7 +58,7 @@ class Server::Impl {
     boost::system::error_code error;
     const auto numbers = asio::ip::make_address(address, error);
     if (error) {
-      throw ListenError("--address " + address + ": allowed is an address in numbers");
+      throw ConfigError("--address " + address + ": allowed is an address in numbers");
     }
     const tcp::endpoint endpoint(numbers, port);
     acceptor_.open(endpoint.protocol(), error);
@@ -68,7 +69,7 @@ class Server::Impl {
     const std::string hint = error == asio::error::address_in_use
                                  ? "; is another sprout-view running? --port chooses another port"
                                  : "";
-    throw ListenError(address + ":" + std::to_string(port) + ": " + error.message() + hint);
+    throw ConfigError(address + ":" + std::to_string(port) + ": " + error.message() + hint);
   }
 
   void Accept() {

@@ -6,7 +6,6 @@
 #include <functional>
 #include <memory>
 #include <set>
-#include <stdexcept>
 #include <string>
 
 #include "common/app/log_limiter.h"
@@ -16,12 +15,6 @@
 #include "services/view/view_session.h"
 
 namespace sprout::view {
-
-/// The server cannot listen on the address. what() is one line.
-class ListenError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// What a server serves. All of it must outlive the server.
 struct ServerParts {
@@ -47,7 +40,7 @@ class Server {
 
   /// Listens before it returns.
   /// @param address  numeric. @param port 0: any free port.
-  /// @throws ListenError.
+  /// @throws ConfigError when it cannot listen on the address.
   Server(const std::string& address, uint16_t port, ServerParts parts);
   ~Server();
 

@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "common/config/config_error.h"
 #include "tests/common/testing/thrown.h"
 #include "tests/services/view/view_frames.h"
 
@@ -275,9 +276,9 @@ TEST_F(ServerTest, LogsBadPagesOnceASecond) {
 }
 
 TEST_F(ServerTest, SaysThatItsPortIsTaken) {
-  EXPECT_THAT(Thrown<ListenError>([&] { const Server second("127.0.0.1", server_.port(), {}); }),
+  EXPECT_THAT(Thrown<ConfigError>([&] { const Server second("127.0.0.1", server_.port(), {}); }),
               HasSubstr("Address already in use; is another sprout-view running?"));
-  EXPECT_THROW(Server("localhost", 0, {}), ListenError);
+  EXPECT_THROW(Server("localhost", 0, {}), ConfigError);
 }
 
 }  // namespace
