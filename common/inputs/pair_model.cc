@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <random>
 
 #include "common/core/quantile.h"
 
@@ -87,17 +88,9 @@ Fit Solve(const std::vector<Match>& matches, const Terms& terms, int count, cons
   return fit;
 }
 
-// Whole numbers without a pattern: the same on every machine.
-class Numbers {
- public:
-  size_t Below(size_t count) {
-    state_ = state_ * 6364136223846793005ULL + 1442695040888963407ULL;
-    return static_cast<size_t>((state_ >> 33) % count);
-  }
-
- private:
-  uint64_t state_ = 1;
-};
+// Whole numbers without a pattern: the same on every machine (Knuth's MMIX generator).
+using Numbers =
+    std::linear_congruential_engine<uint64_t, 6364136223846793005, 1442695040888963407, 0>;
 
 double Support(const std::vector<Match>& matches, const std::vector<Vector>& rows,
                const Vector& model, double tolerance) {
@@ -128,7 +121,7 @@ Vector BestSample(const std::vector<Match>& matches, const Terms& terms, double 
     Eigen::Matrix3d three;
     Eigen::Vector3d heights;
     for (int i = 0; i < 3; ++i) {
-      const size_t chosen = numbers.Below(matches.size());
+      const auto chosen = static_cast<size_t>((numbers() >> 33) % matches.size());
       three.row(i) = rows[chosen].head<3>().transpose();
       heights[i] = matches[chosen].rows();
     }

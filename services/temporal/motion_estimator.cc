@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <cstdint>
+#include <random>
 #include <vector>
 
 namespace sprout::temporal {
@@ -17,16 +18,8 @@ constexpr double kNearestM = 1e-3;  // in front of the camera
 constexpr double kChallenge = 1.1;
 
 // Draws from 64-bit numbers (Knuth's MMIX generator), which are the same everywhere.
-class Draws {
- public:
-  size_t Below(size_t count) {
-    state_ = state_ * 6364136223846793005u + 1442695040888963407u;
-    return static_cast<size_t>(state_ >> 33) % count;
-  }
-
- private:
-  uint64_t state_ = 1;
-};
+using Draws =
+    std::linear_congruential_engine<uint64_t, 6364136223846793005, 1442695040888963407, 0>;
 
 // A small motion: half the rotation vector as the vector part of a quaternion.
 Pose SmallMotion(const Vector6& step) {
@@ -147,7 +140,7 @@ MotionEstimate EstimateMotion(std::span<const SeenPoint> points, const Rectified
   int drawn_most = 0;
   for (int i = 0; i < kSamples; ++i) {
     SeenPoint sample[3];
-    for (SeenPoint& point : sample) point = points[draws.Below(points.size())];
+    for (SeenPoint& point : sample) point = points[(draws() >> 33) % points.size()];
     Pose motion = as_before;
     if (!estimator.Fit(sample, kSampleSteps, motion)) continue;
     const int inliers = estimator.CountInliers(motion);
