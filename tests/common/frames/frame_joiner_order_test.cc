@@ -129,30 +129,6 @@ TEST(FrameJoiner, CountsTheFrameNumbersThatAreLeftOut) {
   EXPECT_EQ(joiner.incomplete(), 0);
 }
 
-TEST(FrameJoiner, SeesNoGapWhenCaptureStartsAgain) {
-  FrameJoiner joiner(kStereo);
-  AddPair(joiner, 100);
-  for (int64_t seq = 0; seq < 3; ++seq) {
-    FrameId id = IdOf(seq);
-    id.utime = IdOf(200).utime + 100'000 * seq;
-    AddTo(joiner, id, Part::kLeft);
-    EXPECT_EQ(AddTo(joiner, id, Part::kRight), Seqs{seq});
-  }
-  EXPECT_EQ(joiner.sequence_gaps(), 0);
-  FrameId skipping = IdOf(5);
-  skipping.utime = IdOf(300).utime;
-  AddTo(joiner, skipping, Part::kLeft);
-  EXPECT_EQ(joiner.sequence_gaps(), 2) << "counted from the new start";
-}
-
-TEST(FrameJoiner, JoinsAFrameThatIsSentTwiceTwice) {
-  FrameJoiner joiner(kStereo);
-  AddPair(joiner, 0);
-  AddPair(joiner, 0);
-  EXPECT_EQ(joiner.incomplete(), 0);
-  EXPECT_EQ(joiner.sequence_gaps(), 0);
-}
-
 TEST(FrameJoiner, DoesNotMissTheLeftoversOfAFrameThatWasSentTwice) {
   FrameJoiner joiner(kStereo);
   AddPair(joiner, 0);

@@ -1,5 +1,4 @@
 #include <gmock/gmock.h>
-#include <sys/stat.h>
 
 #include <filesystem>
 
@@ -138,24 +137,6 @@ TEST(LogCut, OverwritesOnlyWhenForced) {
   EXPECT_EQ(folder.CountEntries(), 1);
 }
 
-TEST(LogCut, ReplacesNothingButARegularFile) {
-  const LogFolder folder;
-  const auto in = folder.Write("in", GraphEvents(3));
-  const Bytes before = ReadBytes(in);
-  std::filesystem::create_symlink(in, folder.File("link"));
-  ASSERT_EQ(mkfifo(folder.File("fifo").c_str(), 0600), 0);
-  for (const std::string flag : {"--force", "--frames=0:2"}) {
-    ExpectRefused({"cut", in, folder.File("link"), flag}, "a symbolic link; allowed: ");
-    ExpectRefused({"cut", in, folder.File("fifo"), flag}, "a FIFO; allowed: ");
-    EXPECT_EQ(RunLog({"cut", in, "/dev/null", flag}).exit_code, 0);
-  }
-  EXPECT_EQ(ReadBytes(in), before);
-  EXPECT_TRUE(std::filesystem::is_symlink(folder.File("link")));
-  EXPECT_TRUE(std::filesystem::is_fifo(folder.File("fifo")));
-  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
-  EXPECT_EQ(folder.CountEntries(), 3);
-}
-
 TEST(LogMerge, OrdersByTimeAndKeepsTheOrderOfEachLog) {
   const LogFolder folder;
   const auto events = GraphEvents(12);
@@ -221,14 +202,6 @@ TEST(LogMerge, OfEqualTimesTakesTheLogNamedFirst) {
   std::vector<std::string> channels;
   for (const Event& event : ReadLog(folder.File("out")).events) channels.push_back(event.channel);
   EXPECT_THAT(channels, testing::ElementsAre("B1", "A1", "B2", "A2"));
-}
-
-TEST(LogMerge, LeavesNothingBehindWhenItFails) {
-  const LogFolder folder;
-  const auto a = folder.Write("a", GraphEvents(2));
-  ExpectRefused({"merge", a, folder.File("none"), "--out", folder.File("out")}, "No such file");
-  ExpectRefused({"merge", a, a}, "--out is required");
-  EXPECT_EQ(folder.CountEntries(), 1);
 }
 
 TEST(LogRepair, WritesAllGoodEventsAndSaysWhatWasLost) {

@@ -192,13 +192,6 @@ TEST(LogExport, GoesOnBehindAFrameOfOtherSizes) {
   EXPECT_THAT(outcome.out, HasSubstr("2 files of 2 frames"));
 }
 
-TEST(LogImages, ShowsAToFImageOfHugeValues) {
-  const LogFolder folder;
-  const TofImage tof{.depth_m = cv::Mat1f(6, 8, 1e20F), .amplitude = {}};
-  const auto log = folder.Write("log", {PartEvent(Part::kTof, 1, tof)});
-  EXPECT_EQ(RunLog({"images", log, folder.File("out")}).exit_code, 0);
-}
-
 TEST(LogImages, ShowsFramesWithoutATofCamera) {
   const LogFolder folder;
   const TofImage none;
