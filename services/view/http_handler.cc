@@ -110,12 +110,7 @@ MemoryFile::MemoryFile() : descriptor_(memfd_create("sprout-view", MFD_CLOEXEC))
   if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), "memory file");
 }
 
-MemoryFile::~MemoryFile() {
-  if (descriptor_ >= 0) close(descriptor_);
-}
-
-MemoryFile::MemoryFile(MemoryFile&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)) {}
+MemoryFile::~MemoryFile() { close(descriptor_); }
 
 std::filesystem::path MemoryFile::path() const { return "/dev/fd/" + std::to_string(descriptor_); }
 

@@ -33,7 +33,6 @@ class MemoryFile {
   /// @throws std::system_error when it cannot be created.
   MemoryFile();
   ~MemoryFile();
-  MemoryFile(MemoryFile&& other) noexcept;
   MemoryFile& operator=(MemoryFile&&) = delete;
 
   /// Path for writing it, once; see OutputFile.

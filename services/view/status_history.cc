@@ -54,11 +54,7 @@ std::string StatusHistory::HistoryText() const {
   const std::lock_guard lock(mutex_);
   nlohmann::json stages = nlohmann::json::object();
   for (const auto& [stage, course] : courses_) {
-    nlohmann::json columns{
-        {"t", nlohmann::json::array()},          {"rate_hz", nlohmann::json::array()},
-        {"age_p50_ms", nlohmann::json::array()}, {"age_p99_ms", nlohmann::json::array()},
-        {"lost", nlohmann::json::array()},       {"bad", nlohmann::json::array()},
-        {"rss_mb", nlohmann::json::array()}};
+    nlohmann::json columns;  // a course has a sample at least
     for (const Sample& sample : course.samples) {
       columns["t"].push_back(static_cast<double>(sample.utime) * 1e-6);
       columns["rate_hz"].push_back(sample.status.rate_hz);

@@ -1,7 +1,6 @@
 #include "services/view/server.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
