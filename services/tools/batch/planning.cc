@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <fstream>
 #include <iostream>
@@ -19,6 +18,7 @@
 #include "common/config/config_error.h"
 #include "common/core/digest.h"
 #include "common/core/input_files.h"
+#include "common/core/number_text.h"
 #include "common/core/printable.h"
 #include "common/core/signal_watcher.h"
 #include "common/logfile/log_error.h"
@@ -37,14 +37,10 @@ std::string Absolute(const fs::path& path) { return fs::absolute(path).lexically
 StageProgram DescribeProgram(const std::string& path) {
   Process process({path, "--version"});
   if (process.Wait() != 0) throw ConfigError(path + ": cannot be run");
-  std::string version = process.Output();
-  while (!version.empty() && std::isspace(static_cast<unsigned char>(version.back())) != 0) {
-    version.pop_back();
-  }
   StageProgram program;
   program.set_path(path);
   program.set_digest(FileDigest(path));
-  program.set_version(Printable(version));
+  program.set_version(Printable(Trimmed(process.Output())));
   return program;
 }
 

@@ -31,9 +31,7 @@ constexpr char kList[] = "files.txt";
 std::string TextOf(const fs::path& path) { return ReadText(path, kMaxListBytes).value_or(""); }
 
 std::string ListOf(const fs::path& folder) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
+  const std::set<fs::path> files{fs::directory_iterator(folder), fs::directory_iterator()};
   std::string list;
   for (const fs::path& file : files) {
     list +=

@@ -8,7 +8,6 @@
 
 #include "common/config/config_difference.h"
 #include "common/messages/codec.h"
-#include "common/messages/message_type.h"
 #include "common/messages/preview.h"
 
 namespace sprout::log {
@@ -27,11 +26,6 @@ std::string TypeText(std::span<const uint8_t> bytes) {
   return fingerprint ? fmt::format("0x{:016x}", *fingerprint) : "no type";
 }
 
-bool CarriesFrames(MessageType type) {
-  return type != MessageType::kRig && type != MessageType::kStatus &&
-         type != MessageType::kProcess && type != MessageType::kRigChange;
-}
-
 Result<FrameId> Check(const LogEvent& event, const std::optional<MessageType>& type) {
   const auto wanted = TypeOfChannel(event.channel);
   if (wanted && type != wanted) {
@@ -44,6 +38,11 @@ Result<FrameId> Check(const LogEvent& event, const std::optional<MessageType>& t
 }
 
 }  // namespace
+
+bool CarriesFrames(MessageType type) {
+  return type != MessageType::kRig && type != MessageType::kStatus &&
+         type != MessageType::kProcess && type != MessageType::kRigChange;
+}
 
 std::optional<int64_t> Sequence::last() const {
   return newest_ ? std::optional(newest_->seq) : std::nullopt;

@@ -10,8 +10,13 @@
 #include "common/core/frame_id.h"
 #include "common/core/process_info.h"
 #include "common/logfile/log_reader.h"
+#include "common/messages/message_type.h"
 
 namespace sprout::log {
+
+/// Whether messages of a type are parts of frames, of which there is one for each frame; unlike
+/// statuses, and calibrations, which are sent again and again.
+bool CarriesFrames(MessageType type);
 
 /// Follows the frame numbers on one channel.
 class Sequence {

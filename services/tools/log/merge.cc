@@ -14,7 +14,7 @@
 #include "common/logfile/log_error.h"
 #include "common/logfile/log_reader.h"
 #include "common/logfile/log_writer.h"
-#include "common/messages/message_type.h"
+#include "services/tools/log/channel_summary.h"
 #include "services/tools/log/commands.h"
 #include "services/tools/log/read_progress.h"
 
@@ -30,12 +30,9 @@ struct MergeOptions {
 
 using ChannelSet = std::set<std::string, std::less<>>;
 
-// Whether a channel has parts of frames, of which there is one for each frame; unlike statuses, and
-// calibrations, which are sent again and again.
 bool HasAnswers(std::string_view channel) {
   const std::optional<MessageType> type = TypeOfChannel(channel);
-  return type && type != MessageType::kStatus && type != MessageType::kProcess &&
-         type != MessageType::kRigChange && type != MessageType::kRig;
+  return type && CarriesFrames(*type);
 }
 
 // A log that is merged with others.

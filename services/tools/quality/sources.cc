@@ -6,6 +6,7 @@
 #include <chrono>
 #include <iostream>
 #include <mutex>
+#include <set>
 #include <stdexcept>
 #include <vector>
 
@@ -35,11 +36,8 @@ bool IsDisparityMap(const fs::path& path) {
   return path.filename().string().ends_with("disparity.pfm");
 }
 
-std::vector<fs::path> FilesIn(const fs::path& folder) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
-  std::ranges::sort(files);
-  return files;
+std::set<fs::path> FilesIn(const fs::path& folder) {
+  return {fs::directory_iterator(folder), fs::directory_iterator()};
 }
 
 // The maps one level down: `sprout-pipeline files` writes a folder for each of many pairs.
