@@ -16,25 +16,21 @@ int64_t Losses(const StageStatus& status) {
          status.frames_degenerate + status.bad_messages + status.sequence_gaps;
 }
 
-std::string_view ColourOf(Health health) {
-  switch (health) {
-    case Health::kGood:
-      return "\x1b[32m";
-    case Health::kLosing:
-      return "\x1b[33m";
-    case Health::kStopped:
-      return "\x1b[2m";
-    case Health::kTwice:
-    case Health::kStale:
-    case Health::kMissing:
-      break;
-  }
-  return "\x1b[31m";
-}
+struct Look {
+  std::string_view name;
+  std::string_view colour;
+};
+
+// In the order of Health.
+constexpr Look kLooks[] = {{"good", "\x1b[32m"},  {"losing", "\x1b[33m"}, {"twice", "\x1b[31m"},
+                           {"stale", "\x1b[31m"}, {"stopped", "\x1b[2m"}, {"missing", "\x1b[31m"}};
+static_assert(std::size(kLooks) == static_cast<size_t>(Health::kMissing) + 1, "each has a look");
+
+const Look& LookOf(Health health) { return kLooks[static_cast<size_t>(health)]; }
 
 std::string HealthText(Health health, bool colour) {
   const std::string text = fmt::format("{:<8}", NameOf(health));
-  return colour ? fmt::format("{}{}\x1b[0m", ColourOf(health), text) : text;
+  return colour ? fmt::format("{}{}\x1b[0m", LookOf(health).colour, text) : text;
 }
 
 bool IsHeard(const BoardRow& row) { return row.health != Health::kMissing; }
@@ -244,23 +240,7 @@ bool IsWhole(const std::vector<BoardRow>& rows) {
   });
 }
 
-std::string_view NameOf(Health health) {
-  switch (health) {
-    case Health::kGood:
-      return "good";
-    case Health::kLosing:
-      return "losing";
-    case Health::kTwice:
-      return "twice";
-    case Health::kStale:
-      return "stale";
-    case Health::kStopped:
-      return "stopped";
-    case Health::kMissing:
-      break;
-  }
-  return "missing";
-}
+std::string_view NameOf(Health health) { return LookOf(health).name; }
 
 std::string BoardText(const std::vector<BoardRow>& rows, bool colour) {
   std::string text =

@@ -70,24 +70,16 @@ RosQos OfferedBy(const dds_qos_t* qos) {
 }
 
 std::string PolicyName(uint32_t policy) {
-  switch (policy) {
-    case DDS_DURABILITY_QOS_POLICY_ID:
-      return "DURABILITY";
-    case DDS_DEADLINE_QOS_POLICY_ID:
-      return "DEADLINE";
-    case DDS_LATENCYBUDGET_QOS_POLICY_ID:
-      return "LATENCY_BUDGET";
-    case DDS_OWNERSHIP_QOS_POLICY_ID:
-      return "OWNERSHIP";
-    case DDS_LIVELINESS_QOS_POLICY_ID:
-      return "LIVELINESS";
-    case DDS_RELIABILITY_QOS_POLICY_ID:
-      return "RELIABILITY";
-    case DDS_DATA_REPRESENTATION_QOS_POLICY_ID:
-      return "DATA_REPRESENTATION";
-    default:
-      return "policy " + std::to_string(policy);
-  }
+  static const std::map<uint32_t, std::string> kNames = {
+      {DDS_DURABILITY_QOS_POLICY_ID, "DURABILITY"},
+      {DDS_DEADLINE_QOS_POLICY_ID, "DEADLINE"},
+      {DDS_LATENCYBUDGET_QOS_POLICY_ID, "LATENCY_BUDGET"},
+      {DDS_OWNERSHIP_QOS_POLICY_ID, "OWNERSHIP"},
+      {DDS_LIVELINESS_QOS_POLICY_ID, "LIVELINESS"},
+      {DDS_RELIABILITY_QOS_POLICY_ID, "RELIABILITY"},
+      {DDS_DATA_REPRESENTATION_QOS_POLICY_ID, "DATA_REPRESENTATION"}};
+  const auto name = kNames.find(policy);
+  return name != kNames.end() ? name->second : "policy " + std::to_string(policy);
 }
 
 void OnLog(void* warn, const dds_log_data_t* data) {

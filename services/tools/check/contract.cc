@@ -6,49 +6,32 @@
 #include <cmath>
 #include <ostream>
 #include <string_view>
+#include <utility>
 
-#include "common/bus/channels.h"
 #include "common/config/config_error.h"
 #include "common/core/image.h"
 
 namespace sprout::check {
 namespace {
 
-std::string_view TextOf(Rule rule) {
-  switch (rule) {
-    case Rule::kStart:
-      return "starts and answers";
-    case Rule::kSends:
-      return "starts and sends frames";
-    case Rule::kOneAnswer:
-      return "one answer a frame";
-    case Rule::kHeader:
-      return "header passed on";
-    case Rule::kWhole:
-      return "LEFT, RIGHT and TOF of every frame, once";
-    case Rule::kSameHeader:
-      return "one header on all three";
-    case Rule::kRising:
-      return "utime rises, seq by one";
-    case Rule::kCalibration:
-      return "RIG before the frames, and again";
-    case Rule::kForm:
-      return "type, size and encoding";
-    case Rule::kValues:
-      return "values in range";
-    case Rule::kRepeatable:
-      return "same frame, same answer";
-    case Rule::kDegenerate:
-      return "poor frames answered";
-    case Rule::kBadMessages:
-      return "bad messages survived";
-    case Rule::kChannels:
-      return "keeps to its channels";
-    case Rule::kEnd:
-      return "ends on SIGTERM";
-  }
-  return "";
-}
+constexpr std::pair<Rule, std::string_view> kTexts[] = {
+    {Rule::kStart, "starts and answers"},
+    {Rule::kSends, "starts and sends frames"},
+    {Rule::kOneAnswer, "one answer a frame"},
+    {Rule::kHeader, "header passed on"},
+    {Rule::kWhole, "LEFT, RIGHT and TOF of every frame, once"},
+    {Rule::kSameHeader, "one header on all three"},
+    {Rule::kRising, "utime rises, seq by one"},
+    {Rule::kCalibration, "RIG before the frames, and again"},
+    {Rule::kForm, "type, size and encoding"},
+    {Rule::kValues, "values in range"},
+    {Rule::kRepeatable, "same frame, same answer"},
+    {Rule::kDegenerate, "poor frames answered"},
+    {Rule::kBadMessages, "bad messages survived"},
+    {Rule::kChannels, "keeps to its channels"},
+    {Rule::kEnd, "ends on SIGTERM"},
+};
+static_assert(std::size(kTexts) == static_cast<size_t>(Rule::kEnd) + 1, "a text for each rule");
 
 bool InImage(float u, float v, cv::Size size) {
   // Up to half a pixel outside the first and last pixel centres.
@@ -147,7 +130,8 @@ bool Findings::empty() const {
 
 void Findings::Print(std::span<const Rule> rules, std::ostream& out) const {
   for (const Rule rule : rules) {
-    const std::string_view text = TextOf(rule);
+    const std::string_view text =
+        std::ranges::find(kTexts, rule, &std::pair<Rule, std::string_view>::first)->second;
     const auto found = found_.find(rule);
     if (found == found_.end()) {
       out << "-      " << text << ": not checked\n";
