@@ -285,6 +285,7 @@ void Flags::AddAction(const std::string& name, std::function<void()> act, const 
 }
 
 void Flags::AddVersion(const std::string& version) {
+  if (app_->get_version_ptr() != nullptr) return;
   app_->set_version_flag("--version", program() + " " + version);
 }
 

@@ -71,7 +71,7 @@ class Flags {
   /// A flag like --version: does something in place of the program's work.
   void AddAction(const std::string& name, std::function<void()> act, const std::string& help);
 
-  /// Adds --version, which prints the program's name and the text.
+  /// Adds --version, which prints the program's name and the text, unless there is one already.
   void AddVersion(const std::string& version);
 
   /// @pre there is a flag of that name.

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "common/app/version.h"
 #include "common/config/config_error.h"
 #include "common/core/input_files.h"
 #include "common/core/printable.h"
@@ -20,6 +21,7 @@ namespace sprout {
 namespace {
 
 int RunBody(Flags& flags, int argc, const char* const* argv, const std::function<int()>& body) {
+  flags.AddVersion(Version());
   try {
     return flags.Parse(argc, argv) ? body() : 0;
   } catch (const ConfigError& e) {

@@ -8,8 +8,8 @@
 
 namespace sprout {
 
-/// What every program's main shares, with or without a bus: parses the flags, runs `body`, and
-/// turns errors into one line on stderr that starts with the program's name.
+/// What every program's main shares, with or without a bus: adds --version, parses the flags, runs
+/// `body`, and turns errors into one line on stderr that starts with the program's name.
 ///
 /// @returns exit code: what `body` returned; 0 for --help and --version; 2 for a flag or
 ///          configuration that cannot be used (ConfigError); 1 on any other failure, also when

@@ -10,7 +10,6 @@
 
 #include "common/app/flags.h"
 #include "common/app/program.h"
-#include "common/app/version.h"
 #include "common/config/left_out.h"
 #include "services/sprout/programs.h"
 
@@ -53,7 +52,6 @@ int Main(int argc, char** argv) {
   }
   Flags flags("sprout", kDescription);
   for (const ProgramSummary& one : Programs()) flags.AddCommand(one.name, one.text);
-  flags.AddVersion(Version());
   flags.SetFooter(kFooter);
   const char* const help[] = {"sprout", "--help"};
   return argc > 1 ? RunProgram(flags, argc, argv, [] { return 0; })

@@ -11,7 +11,6 @@
 
 #include "common/app/compute.h"
 #include "common/app/program.h"
-#include "common/app/version.h"
 #include "common/core/printable.h"
 #include "common/core/signal_watcher.h"
 #include "services/tools/batch/engines.h"
@@ -262,7 +261,6 @@ void AddOthers(Flags& program, Options& options) {
 int Main(int argc, char** argv) {
   Flags program("sprout-batch", kDescription);
   program.SetFooter(kFooter);
-  program.AddVersion(Version());
   program.RequireCommand();
   Options options;
   AddRun(program, options);

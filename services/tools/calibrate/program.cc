@@ -13,7 +13,6 @@
 #include "common/app/output_paths.h"
 #include "common/app/program.h"
 #include "common/app/progress.h"
-#include "common/app/version.h"
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
 #include "common/config/config.h"
@@ -362,7 +361,6 @@ int CalibrateMain(int argc, const char* const* argv) {
   AddCheck(flags, options);
   AddRefine(flags, options);
   AddImport(flags, options);
-  flags.AddVersion(Version());
   flags.SetFooter(kFooter);
   return RunProgram(flags, argc, argv,
                     [&] { return RefusingLogs([&] { return flags.RunCommand(); }); });

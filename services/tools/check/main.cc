@@ -4,7 +4,6 @@
 #include <iostream>
 
 #include "common/app/program.h"
-#include "common/app/version.h"
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
 #include "common/bus/receiver.h"
@@ -350,7 +349,6 @@ int Main(int argc, char** argv) {
   flags.Add("--timeout", answer_s, "Longest wait for any other answer or frame, s")
       .Within(0.01, 3600.0)
       .ShowDefault();
-  flags.AddVersion(Version());
   return RunProgram(flags, argc, argv, [&] {
     options.start_timeout = Milliseconds(start_s);
     options.answer_timeout = Milliseconds(answer_s);

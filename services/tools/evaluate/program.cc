@@ -13,7 +13,6 @@
 #include "common/app/output_paths.h"
 #include "common/app/program.h"
 #include "common/app/progress.h"
-#include "common/app/version.h"
 #include "common/inputs/check_inputs.h"
 #include "services/tools/evaluate/confidence_diagram.h"
 #include "services/tools/evaluate/rig_error.h"
@@ -376,7 +375,6 @@ int EvaluateMain(int argc, const char* const* argv, const ReadLog& read_log) {
                                  "average",
                                  [&] { return RunVideo(options); }),
                 options);
-  flags.AddVersion(Version());
   flags.SetFooter(kDefinitions);
   return RunProgram(flags, argc, argv, [&] { return flags.RunCommand(); });
 }

@@ -3,7 +3,6 @@
 #include <iostream>
 
 #include "common/app/program.h"
-#include "common/app/version.h"
 #include "common/core/signal_watcher.h"
 #include "services/tools/log/commands.h"
 
@@ -75,7 +74,6 @@ int LogMain(int argc, const char* const* argv) {
   AddImages(flags);
   AddExport(flags);
   AddRank(flags);
-  flags.AddVersion(Version());
   flags.SetFooter(kFooter);
   return RunProgram(flags, argc, argv, [&] { return RunChosen(flags); });
 }

@@ -354,7 +354,6 @@ int QualityMain(int argc, const char* const* argv) {
   Options options;
   AddMeasureFlags(flags, options);
   AddOutputFlags(flags, options);
-  flags.AddVersion(Version());
   flags.SetFooter(kFooter);
   return RunProgram(flags, argc, argv,
                     [&] { return RefusingLogs([&] { return Run(options).Measure(); }); });
