@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <opencv2/core.hpp>
 
 #include "common/core/check_lens.h"
 #include "common/geometry/lens.h"

@@ -4,7 +4,6 @@
 #include <map>
 #include <opencv2/core.hpp>
 #include <string>
-#include <string_view>
 
 #include "common/core/depth_image.h"
 #include "common/core/disparity_image.h"

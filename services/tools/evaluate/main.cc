@@ -2,8 +2,6 @@
 #include <iostream>
 #include <string>
 
-#include "common/config/config_error.h"
-#include "common/logfile/log_error.h"
 #include "services/tools/evaluate/program.h"
 #include "services/tools/log/log_frames.h"
 
@@ -11,14 +9,10 @@ namespace sprout::evaluate {
 namespace {
 
 void ReadFrames(const LogChoice& log, const std::function<void(const Frame&)>& visit) {
-  try {
-    const std::string complaint = log::ReadFrames(
-        {.file = log.file, .folder = {}, .frames = log.frames, .prefix = log.prefix}, AllParts(),
-        visit);
-    if (!complaint.empty()) std::cerr << "sprout-evaluate: " << complaint << "\n";
-  } catch (const LogError& e) {
-    throw ConfigError(e.what());
-  }
+  const std::string complaint =
+      log::ReadFrames({.file = log.file, .folder = {}, .frames = log.frames, .prefix = log.prefix},
+                      AllParts(), visit);
+  if (!complaint.empty()) std::cerr << "sprout-evaluate: " << complaint << "\n";
 }
 
 }  // namespace

@@ -376,7 +376,8 @@ int EvaluateMain(int argc, const char* const* argv, const ReadLog& read_log) {
                                  [&] { return RunVideo(options); }),
                 options);
   flags.SetFooter(kDefinitions);
-  return RunProgram(flags, argc, argv, [&] { return flags.RunCommand(); });
+  return RunProgram(flags, argc, argv,
+                    [&] { return RefusingLogs([&] { return flags.RunCommand(); }); });
 }
 
 }  // namespace sprout::evaluate
