@@ -34,8 +34,12 @@ struct Pipe {
 };
 
 // Between fork() and here only what is safe there, since this program may have threads.
-[[noreturn]] void BecomeProgram(char** arguments, int output) {
+// Begins once it has a guard: nobody would end it if its parent were killed before.
+[[noreturn]] void BecomeProgram(char** arguments, int output, const Pipe& guarded) {
   setpgid(0, 0);
+  close(guarded.to_write);
+  char nothing = 0;
+  if (read(guarded.to_read, &nothing, 1) != 1) _exit(127);
   dup2(output, STDOUT_FILENO);
   dup2(output, STDERR_FILENO);
   execvp(arguments[0], arguments);
@@ -64,8 +68,9 @@ Process::Process(const std::vector<std::string>& command) {
   arguments.push_back(nullptr);
   Pipe output;
   Pipe life;
+  Pipe guarded;
   pid_ = fork();
-  if (pid_ == 0) BecomeProgram(arguments.data(), output.to_write);
+  if (pid_ == 0) BecomeProgram(arguments.data(), output.to_write, guarded);
   if (pid_ > 0) {
     setpgid(pid_, pid_);  // whoever of the two is first
     guard_pid_ = fork();
@@ -75,6 +80,7 @@ Process::Process(const std::vector<std::string>& command) {
     if (pid_ > 0 && kill(-pid_, SIGKILL) == 0) waitpid(pid_, nullptr, 0);
     throw std::runtime_error("no process left");
   }
+  if (write(guarded.to_write, "", 1) != 1) throw std::runtime_error("a pipe that takes no byte");
   output_pipe_ = std::exchange(output.to_read, -1);
   life_pipe_ = std::exchange(life.to_write, -1);
   fcntl(output_pipe_, F_SETFL, O_NONBLOCK);

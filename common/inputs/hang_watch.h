@@ -1,5 +1,4 @@
-#ifndef SPROUT_COMMON_INPUTS_HANG_WATCH_H_
-#define SPROUT_COMMON_INPUTS_HANG_WATCH_H_
+#pragma once
 
 #include <array>
 #include <string>
@@ -32,5 +31,3 @@ class HangWatch {
 };
 
 }  // namespace sprout::inputs
-
-#endif  // SPROUT_COMMON_INPUTS_HANG_WATCH_H_

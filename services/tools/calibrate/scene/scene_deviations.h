@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_DEVIATIONS_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_DEVIATIONS_H_
+#pragma once
 
 #include <numbers>
 #include <optional>
@@ -44,5 +43,3 @@ std::optional<Deviations> DeviationsOf(const AdjustmentEnd& end,
                                        const Wanted& wanted);
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_DEVIATIONS_H_

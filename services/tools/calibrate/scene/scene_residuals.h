@@ -1,5 +1,4 @@
-#ifndef SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_RESIDUALS_H_
-#define SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_RESIDUALS_H_
+#pragma once
 
 #include <Eigen/Geometry>
 #include <array>
@@ -105,5 +104,3 @@ struct EdgeError {
 };
 
 }  // namespace sprout::calibrate
-
-#endif  // SPROUT_SERVICES_TOOLS_CALIBRATE_SCENE_SCENE_RESIDUALS_H_
