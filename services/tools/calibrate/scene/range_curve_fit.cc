@@ -93,20 +93,19 @@ Eigen::VectorXd Variances(const Sums& sums) {
   return (bread * sums.slopes * bread).diagonal().cwiseMax(sums.squares.inverse().diagonal());
 }
 
-}  // namespace
+// The curve at its knots, and the light, with their variances.
+struct Fitted {
+  Eigen::VectorXd values;
+  Eigen::VectorXd variances;
 
-bool IsSignificantCorrection(double offset_m, double sigma_m) {
-  return std::abs(offset_m) > std::max(kSureSigmas * sigma_m, kMinCorrectionM);
-}
+  double light_sigma() const { return std::sqrt(variances[variances.size() - 1]); }
+  double light() const { return values[values.size() - 1]; }
+};
 
-RangeFit FitRangeCurve(std::vector<RangeSample> samples) {
-  std::ranges::stable_sort(samples, {}, &RangeSample::range_m);
-  const std::vector<double> knots = KnotRanges(samples);
-  if (knots.empty()) return {};
-  std::erase_if(samples, [&](const RangeSample& s) { return IsInGap(knots, s.range_m); });
-  const auto count = static_cast<Eigen::Index>(knots.size());
-  Eigen::VectorXd fit = Eigen::VectorXd::Zero(count + 1);
-  Sums sums(count + 1);
+Fitted FitAt(const std::vector<double>& knots, const std::vector<RangeSample>& samples) {
+  const auto count = static_cast<Eigen::Index>(knots.size()) + 1;
+  Eigen::VectorXd fit = Eigen::VectorXd::Zero(count);
+  Sums sums(count);
   for (int round = 0; round < kCurveRounds; ++round) {
     std::vector<double> off;
     for (const RangeSample& sample : samples) {
@@ -114,7 +113,7 @@ RangeFit FitRangeCurve(std::vector<RangeSample> samples) {
       off.push_back(left_m / sample.sigma_m);
     }
     const double scatter = std::max(1.0, RobustSigma(off));
-    sums = Sums(count + 1);
+    sums = Sums(count);
     for (size_t i = 0; i < samples.size(); ++i) {
       const Eigen::VectorXd weights = WeightsOf(knots, samples[i]);
       const Eigen::MatrixXd product = weights * weights.transpose();
@@ -130,18 +129,32 @@ RangeFit FitRangeCurve(std::vector<RangeSample> samples) {
     }
     fit = sums.squares.ldlt().solve(sums.right);
   }
-  const Eigen::VectorXd variances = Variances(sums);
-  RangeFit found{.curve = {}, .light_m = fit[count], .light_sigma_m = std::sqrt(variances[count])};
-  if (found.light_m != 0 && !IsSignificantCorrection(found.light_m, found.light_sigma_m)) {
+  return {.values = fit, .variances = Variances(sums)};
+}
+
+}  // namespace
+
+bool IsSignificantCorrection(double offset_m, double sigma_m) {
+  return std::abs(offset_m) > std::max(kSureSigmas * sigma_m, kMinCorrectionM);
+}
+
+RangeFit FitRangeCurve(std::vector<RangeSample> samples) {
+  std::ranges::stable_sort(samples, {}, &RangeSample::range_m);
+  const std::vector<double> knots = KnotRanges(samples);
+  if (knots.empty()) return {};
+  std::erase_if(samples, [&](const RangeSample& s) { return IsInGap(knots, s.range_m); });
+  Fitted fit = FitAt(knots, samples);
+  if (fit.light() != 0 && !IsSignificantCorrection(fit.light(), fit.light_sigma())) {
     for (RangeSample& sample : samples) sample.brightness = 0;
-    return FitRangeCurve(std::move(samples));
+    fit = FitAt(knots, samples);
   }
+  RangeFit found{.curve = {}, .light_m = fit.light(), .light_sigma_m = fit.light_sigma()};
   bool is_significant = false;
-  for (Eigen::Index k = 0; k < count; ++k) {
+  for (Eigen::Index k = 0; k < std::ssize(knots); ++k) {
     const double shared_m = SharedAt(samples, knots[static_cast<size_t>(k)]);
-    const double sigma_m = std::hypot(std::sqrt(variances[k]), shared_m);
-    is_significant |= IsSignificantCorrection(fit[k], sigma_m);
-    found.curve.push_back({knots[static_cast<size_t>(k)], fit[k], sigma_m});
+    const double sigma_m = std::hypot(std::sqrt(fit.variances[k]), shared_m);
+    is_significant |= IsSignificantCorrection(fit.values[k], sigma_m);
+    found.curve.push_back({knots[static_cast<size_t>(k)], fit.values[k], sigma_m});
   }
   if (!is_significant) found.curve.clear();
   return found;
