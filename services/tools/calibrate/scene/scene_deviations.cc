@@ -12,8 +12,8 @@ namespace sprout::calibrate {
 namespace {
 
 // Parts of the left image that err each by itself: surfaces, and a dozen ToF pixels each way.
-constexpr int kColumns = 8;
-constexpr int kBands = 6;
+constexpr int kPartColumns = 8;
+constexpr int kPartRows = 6;
 // As AddRobust() has it.
 constexpr double kLossSigmas = 2;
 // What a knock moves the ToF camera by along each axis: its turn of a degree, on a mount of 30 cm.
@@ -27,15 +27,15 @@ constexpr int kRanges = 40;  // up to 600 m
 
 constexpr int kNumbers = kRigNumbers;
 
-using Row = Eigen::Matrix<double, 1, kNumbers>;
-using Square = Eigen::Matrix<double, kNumbers, kNumbers>;
-using Vector = Eigen::Matrix<double, kNumbers, 1>;
+using NumberRow = Eigen::Matrix<double, 1, kNumbers>;
+using NumberSquare = Eigen::Matrix<double, kNumbers, kNumbers>;
+using NumberVector = Eigen::Matrix<double, kNumbers, 1>;
 
 // A sum over matches, whose depths are eliminated: half the second derivatives of (K4), and half
 // the first ones, by the numbers.
 struct Normal {
-  Square squares = Square::Zero();
-  Vector slope = Vector::Zero();
+  NumberSquare squares = NumberSquare::Zero();
+  NumberVector slope = NumberVector::Zero();
 
   Normal& operator+=(const Normal& other) {
     squares += other.squares;
@@ -65,9 +65,9 @@ class MatchTerm {
   }
 
   // Of the slope by what the plane of the ToF camera is off, m; 0 without one.
-  Vector slope_per_m() const {
-    if (!match_.tof) return Vector::Zero();
-    const Vector patch =
+  NumberVector slope_per_m() const {
+    if (!match_.tof) return NumberVector::Zero();
+    const NumberVector patch =
         last_weight_ * (last_row_.transpose() - mixed_ * (last_depth_ / curvature_));
     return patch / PatchSigma();
   }
@@ -120,14 +120,14 @@ class MatchTerm {
   const AdjustmentEnd& end_;
   const SceneMatch& match_;
   bool is_usable_ = false;
-  Square squares_ = Square::Zero();
-  Vector mixed_ = Vector::Zero();  // by the numbers and the depth
-  Vector slope_ = Vector::Zero();
+  NumberSquare squares_ = NumberSquare::Zero();
+  NumberVector mixed_ = NumberVector::Zero();  // by the numbers and the depth
+  NumberVector slope_ = NumberVector::Zero();
   double curvature_ = 0;  // by the depth twice
   double depth_slope_ = 0;
   double last_weight_ = 0;  // of the residual that was added last: the plane's
   double last_depth_ = 0;
-  Row last_row_ = Row::Zero();
+  NumberRow last_row_ = NumberRow::Zero();
 };
 
 // Of both turns that depth edges show, in standard deviations, by the turn of the ToF camera.
@@ -156,7 +156,7 @@ Normal Known(const RigNumbers& change, const std::optional<EdgeShift>& edges) {
 class DeviationSums {
  public:
   DeviationSums(const AdjustmentEnd& end, const std::optional<EdgeShift>& edges)
-      : known_(Known(end.change, edges)), parts_(kColumns * kBands) {
+      : known_(Known(end.change, edges)), parts_(kPartColumns * kPartRows) {
     const Eigen::Matrix3d left_from_tof =
         TurnedBy(end.rig.left_from_tof,
                  {end.change[kTofPitch], end.change[kTofYaw], end.change[kTofRoll]})
@@ -217,12 +217,12 @@ class DeviationSums {
     const auto cell = [](double at, int size, int cells) {
       return std::clamp(static_cast<int>(at * cells / size), 0, cells - 1);
     };
-    return static_cast<size_t>(cell(pixel.y, lens.height, kBands) * kColumns +
-                               cell(pixel.x, lens.width, kColumns));
+    return static_cast<size_t>(cell(pixel.y, lens.height, kPartRows) * kPartColumns +
+                               cell(pixel.x, lens.width, kPartColumns));
   }
 
   void AddSystematic(const TofPatch& patch, const Eigen::Matrix3d& left_from_tof,
-                     const Vector& slope_per_m) {
+                     const NumberVector& slope_per_m) {
     const Eigen::Vector3d normal = left_from_tof * patch.normal;
     by_place_ += slope_per_m * normal.transpose();
     const double range_m = patch.distance_m / patch.per_range;
