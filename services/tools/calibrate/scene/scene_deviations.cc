@@ -266,8 +266,8 @@ class DeviationSums {
   std::vector<Normal> parts_;
   std::vector<Normal> frames_;
   Normal whole_;
-  // The slope by what is not adjusted: the ToF camera's place, to the right and down, m; its
-  // ranges' errors, m.
+  // The slope by what is not adjusted: the ToF camera's place along each axis, and its ranges'
+  // errors, both in m.
   Eigen::Matrix<double, kNumbers, 3> by_place_ = Eigen::Matrix<double, kNumbers, 3>::Zero();
   Eigen::Matrix<double, kNumbers, kRanges> by_range_ =
       Eigen::Matrix<double, kNumbers, kRanges>::Zero();
