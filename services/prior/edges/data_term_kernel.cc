@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -149,6 +150,9 @@ HWY_INLINE double ImageTerms(const EdgeImages& images, const DataTermScales& sca
 
 double FarMinusNearOnTarget(const EdgeImages& images, const ColourSeeds& seeds,
                             const DataTermScales& scales, const LabelledPixel& pixel) {
+  const double images_say = ImageTerms(images, scales, pixel);
+  // (P7) is within ±1: such images are not outvoted.
+  if (std::abs(images_say) >= scales.colour_weight) return images_say;
   const cv::Vec3b& bgr = images.left_bgr[pixel.v][pixel.u];
   const double colours =
       ColourTerm(seeds, scales,
@@ -159,7 +163,7 @@ double FarMinusNearOnTarget(const EdgeImages& images, const ColourSeeds& seeds,
                   .red = static_cast<float>(bgr[2]),
                   .middle = 0.5F * static_cast<float>(pixel.near + pixel.far),
                   .half_gap = 0.5F * static_cast<float>(pixel.near - pixel.far)});
-  return ImageTerms(images, scales, pixel) + scales.colour_weight * colours;
+  return images_say + scales.colour_weight * colours;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -45,7 +45,8 @@ struct LabelledPixel {
   int near, far;
 };
 
-/// Eq. (P6), E(far) − E(near). The same on every CPU.
+/// Eq. (P6), E(far) − E(near); without the colours, which cost most, where they cannot change its
+/// sign. The same on every CPU.
 double FarMinusNear(const EdgeImages& images, const ColourSeeds& seeds,
                     const DataTermScales& scales, const LabelledPixel& pixel);
 

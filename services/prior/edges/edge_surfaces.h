@@ -99,7 +99,8 @@ class DataTerm {
   DataTerm(const EdgeImages& images, std::span<const EdgeTriangle> edges,
            std::span<const Plane> planes, const PriorConfig& config);
 
-  /// E(p, far) − E(p, near). The same on every machine. O(1), some hundred operations.
+  /// E(p, far) − E(p, near), without the colours where they cannot change its sign. The same on
+  /// every machine. O(1), some hundred operations.
   /// @param triangle   of the pixel, an index of the edges.
   /// @param near, far  its labels, counts.
   double FarMinusNear(int u, int v, int triangle, int near, int far) const;
