@@ -194,14 +194,17 @@ double RefinementQuality::good_lost_percent() const { return Percent(good_lost, 
 
 RefinementQuality JudgeRefinement(const Scene& scene, const RefineConfig& config) {
   RefinementQuality quality;
-  quality.refined = refine::Refiner(scene.WithRange(config))
+  refine::Refiner refiner(scene.WithRange(config));
+  quality.refined = refiner
                         .Compute(scene.left_grey, scene.right_grey, scene.frame.tof,
                                  scene.projector, scene.frame.tof_zones.value_or(TofZones()))
                         .value_or(SeedSet());
   const std::vector<Seed> points = ProjectAll(scene);
   quality.before = CountSeeds(points, scene);
   quality.after = CountSeeds(quality.refined.seeds, scene);
-  quality.good_lost = CountGoodLost(points, quality.refined.seeds, scene);
+  std::vector<Seed> kept;
+  Join(quality.refined.seeds, refiner.left_seeds().seeds, kept);
+  quality.good_lost = CountGoodLost(points, kept, scene);
   return quality;
 }
 

@@ -60,7 +60,8 @@ SeedCounts CountSeeds(std::span<const Seed> seeds, const Scene& scene);
 
 /// How many good ToF points have no seed any more. Stereo seeds do not replace them, and a point
 /// that refinement moved is not lost.
-/// @param points  all ToF points. @param kept  the seeds after refinement. O(n log n).
+/// @param points  all ToF points. @param kept  the seeds after refinement, also those that only the
+///                left camera sees: the prior has them. O(n log n).
 int64_t CountGoodLost(std::span<const Seed> points, std::span<const Seed> kept, const Scene& scene);
 
 /// Effect of refinement on the seeds of a scene, without added noise.

@@ -87,7 +87,7 @@ TEST(SeedQuality, CountsAGoodPointAsLostWhenNoSeedOfItsTofPixelIsKept) {
 }
 
 TEST(SeedQuality, LosesNoFewerGoodPointsWhereStereoAddsSeeds) {
-  const Scene scene = LoadScene("synthetic:320x240", TofChoice("grid:20"), {});
+  const Scene scene = LoadScene("synthetic:320x240", TofChoice("grid:16"), {});
   RefineConfig of_tof;
   of_tof.set_stereo_seeds(false);
   const RefinementQuality with_stereo = JudgeRefinement(scene, {});
@@ -105,7 +105,8 @@ TEST(SeedQuality, SeesThatRefinementDropsHiddenBackground) {
                                      CountTofSeeds(quality.refined.seeds));
   EXPECT_GT(quality.before.wrong, 0);
   EXPECT_LT(quality.after.wrong, quality.before.wrong);
-  EXPECT_LT(quality.good_lost_percent(), 10);
+  // 3.6 % if those that only the left camera sees were lost.
+  EXPECT_LT(quality.good_lost_percent(), 3);
 }
 
 }  // namespace
