@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "services/tools/calibrate/robust_solver.h"
@@ -62,35 +63,44 @@ bool IsInGap(const std::vector<double>& knots, double range_m) {
          *above > (1 + kMinStep) * range_m;
 }
 
-// What the samples at a range share, of the nearest one.
-double SharedAt(const std::vector<RangeSample>& by_range, double range_m) {
-  const auto at = std::ranges::lower_bound(by_range, range_m, {}, &RangeSample::range_m);
-  return at == by_range.end() ? by_range.back().shared_m : at->shared_m;
-}
-
-// Sums over the samples, from which the curve and its variances follow.
+// Sums over samples, from which the curve and its variances follow.
 struct Sums {
   explicit Sums(Eigen::Index count)
-      : squares(Eigen::MatrixXd::Identity(count, count) / (kExpectedM * kExpectedM)),
+      : squares(Eigen::MatrixXd::Zero(count, count)),
         curvature(squares),
-        slopes(squares),
-        right(Eigen::VectorXd::Zero(count)) {}
+        slope(Eigen::VectorXd::Zero(count)),
+        right(slope) {}
+
+  Sums& operator+=(const Sums& other) {
+    squares += other.squares;
+    curvature += other.curvature;
+    slope += other.slope;
+    right += other.right;
+    return *this;
+  }
 
   Eigen::MatrixXd squares;    // for the next step
   Eigen::MatrixXd curvature;  // second derivatives of the loss, below 0 where samples are far out
-  Eigen::MatrixXd slopes;     // squares of the first ones: their variance
+  Eigen::VectorXd slope;      // first ones
   Eigen::VectorXd right;
 };
 
-// Variances of the knots as an M-estimate's: where samples disagree the loss hardly curves, and the
-// curve may lie anywhere. At least as if their weights were those of a Gaussian.
-Eigen::VectorXd Variances(const Sums& sums) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(sums.curvature);
-  const Eigen::VectorXd inverse =
-      solver.eigenvalues().cwiseMax(1 / (kExpectedM * kExpectedM)).cwiseInverse();
-  const Eigen::MatrixXd bread =
-      solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
-  return (bread * sums.slopes * bread).diagonal().cwiseMax(sums.squares.inverse().diagonal());
+// Variances as an M-estimate's: how far the curve moves when each part of the image is left out
+// (jackknife). Where samples disagree the loss hardly curves, and the curve may lie anywhere. At
+// least as if their weights were those of a Gaussian.
+Eigen::VectorXd Variances(const Sums& all, const std::map<size_t, Sums>& parts) {
+  const auto count = static_cast<double>(parts.size());
+  Eigen::VectorXd variances = Eigen::VectorXd::Zero(all.slope.size());
+  for (const auto& [part, sums] : parts) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(all.curvature - sums.curvature);
+    const Eigen::VectorXd inverse =
+        solver.eigenvalues().cwiseMax(1 / (kExpectedM * kExpectedM)).cwiseInverse();
+    const Eigen::VectorXd moved =
+        solver.eigenvectors() *
+        inverse.cwiseProduct(solver.eigenvectors().transpose() * sums.slope);
+    variances += (count - 1) / count * moved.cwiseAbs2();
+  }
+  return variances.cwiseMax(all.squares.inverse().diagonal());
 }
 
 // The curve at its knots, and the light, with their variances.
@@ -105,7 +115,8 @@ struct Fitted {
 Fitted FitAt(const std::vector<double>& knots, const std::vector<RangeSample>& samples) {
   const auto count = static_cast<Eigen::Index>(knots.size()) + 1;
   Eigen::VectorXd fit = Eigen::VectorXd::Zero(count);
-  Sums sums(count);
+  Sums all(count);
+  std::map<size_t, Sums> parts;
   for (int round = 0; round < kCurveRounds; ++round) {
     std::vector<double> off;
     for (const RangeSample& sample : samples) {
@@ -113,7 +124,7 @@ Fitted FitAt(const std::vector<double>& knots, const std::vector<RangeSample>& s
       off.push_back(left_m / sample.sigma_m);
     }
     const double scatter = std::max(1.0, RobustSigma(off));
-    sums = Sums(count);
+    parts.clear();
     for (size_t i = 0; i < samples.size(); ++i) {
       const Eigen::VectorXd weights = WeightsOf(knots, samples[i]);
       const Eigen::MatrixXd product = weights * weights.transpose();
@@ -121,15 +132,48 @@ Fitted FitAt(const std::vector<double>& knots, const std::vector<RangeSample>& s
       const double sigma_m = scatter * samples[i].sigma_m;
       const double tail = 1 + far * far;
       const double weight = 1 / (tail * sigma_m * sigma_m * kCurveSharing);
-      const double slope = weight * off[i] * samples[i].sigma_m;
-      sums.squares += weight * product;
-      sums.curvature += weight * (1 - far * far) / tail * product;
-      sums.slopes += kCurveSharing * slope * slope * product;
-      sums.right -= weight * samples[i].error_m * weights;
+      Sums& part = parts.try_emplace(samples[i].part, count).first->second;
+      part.squares += weight * product;
+      part.curvature += weight * (1 - far * far) / tail * product;
+      part.slope += weight * off[i] * samples[i].sigma_m * weights;
+      part.right -= weight * samples[i].error_m * weights;
     }
-    fit = sums.squares.ldlt().solve(sums.right);
+    all = Sums(count);
+    all.squares.diagonal().array() = 1 / (kExpectedM * kExpectedM);
+    all.curvature = all.squares;
+    for (const auto& [number, part] : parts) all += part;
+    fit = all.squares.ldlt().solve(all.right);
   }
-  return {.values = fit, .variances = Variances(sums)};
+  return {.values = fit, .variances = Variances(all, parts)};
+}
+
+// The sample nearest to a range.
+const RangeSample& SampleAt(const std::vector<RangeSample>& by_range, double range_m) {
+  const auto at = std::ranges::lower_bound(by_range, range_m, {}, &RangeSample::range_m);
+  return at == by_range.end() ? by_range.back() : *at;
+}
+
+// The curve, if it is more than a yaw of the pair explains. By that it may be off as a whole.
+RangeCorrection CurveOf(const std::vector<double>& knots, const std::vector<RangeSample>& samples,
+                        const Fitted& fit) {
+  const auto count = static_cast<Eigen::Index>(knots.size());
+  Eigen::VectorXd sigma_m(count);
+  Eigen::VectorXd yaw_m(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const RangeSample& sample = SampleAt(samples, knots[static_cast<size_t>(k)]);
+    sigma_m[k] = std::hypot(std::sqrt(fit.variances[k]), sample.shared_m);
+    yaw_m[k] = sample.yaw_m;
+  }
+  const Eigen::VectorXd values = fit.values.head(count);
+  const Eigen::VectorXd yaw_sigmas = yaw_m.cwiseQuotient(sigma_m);
+  const double yaw = yaw_sigmas.dot(values.cwiseQuotient(sigma_m)) / (1 + yaw_sigmas.squaredNorm());
+  bool is_significant = false;
+  RangeCorrection curve;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    is_significant |= IsSignificantCorrection(values[k] - yaw * yaw_m[k], sigma_m[k]);
+    curve.push_back({knots[static_cast<size_t>(k)], values[k], std::hypot(sigma_m[k], yaw_m[k])});
+  }
+  return is_significant ? curve : RangeCorrection();
 }
 
 }  // namespace
@@ -149,14 +193,7 @@ RangeFit FitRangeCurve(std::vector<RangeSample> samples) {
     fit = FitAt(knots, samples);
   }
   RangeFit found{.curve = {}, .light_m = fit.light(), .light_sigma_m = fit.light_sigma()};
-  bool is_significant = false;
-  for (Eigen::Index k = 0; k < std::ssize(knots); ++k) {
-    const double shared_m = SharedAt(samples, knots[static_cast<size_t>(k)]);
-    const double sigma_m = std::hypot(std::sqrt(fit.variances[k]), shared_m);
-    is_significant |= IsSignificantCorrection(fit.values[k], sigma_m);
-    found.curve.push_back({knots[static_cast<size_t>(k)], fit.values[k], sigma_m});
-  }
-  if (!is_significant) found.curve.clear();
+  found.curve = CurveOf(knots, samples, fit);
   return found;
 }
 

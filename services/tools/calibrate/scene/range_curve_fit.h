@@ -12,6 +12,8 @@ struct RangeSample {
   double error_m = 0;     ///< that less stereo's
   double sigma_m = 0;     ///< standard deviation of error_m, > 0
   double shared_m = 0;    ///< that of an error that all samples at this range share
+  double yaw_m = 0;       ///< what a yaw of the pair by its standard deviation adds to error_m
+  size_t part = 0;        ///< of the image: its samples share errors
   double brightness = 0;  ///< BrightnessOf() its amplitude
 };
 
@@ -36,7 +38,8 @@ bool IsSignificantCorrection(double offset_m, double sigma_m);
 /// residuals' robust scatter, τ = 20 mm what is expected of a range sensor. Each knot has the same
 /// number of samples, at least 40, and ranges 5 % apart; there are up to 24. Samples between knots
 /// more than 25 % apart count only within 5 % of one. By iterated least squares. The variance of a
-/// knot is that of an M-estimate, at least that of weighted least squares, and what samples share.
+/// knot is the jackknife's over the samples' parts, at least that of weighted least squares, and
+/// what samples share; a yaw adds its own, but what it explains is not significant.
 ///
 /// @returns l is 0 and the curve has no knots when neither is significant, as above. One thread;
 ///          same input, same bytes. O(samples).

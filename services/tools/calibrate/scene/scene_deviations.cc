@@ -213,14 +213,6 @@ class DeviationSums {
   }
 
  private:
-  static size_t PartOf(const cv::Point2d& pixel, const Lens& lens) {
-    const auto cell = [](double at, int size, int cells) {
-      return std::clamp(static_cast<int>(at * cells / size), 0, cells - 1);
-    };
-    return static_cast<size_t>(cell(pixel.y, lens.height, kPartRows) * kPartColumns +
-                               cell(pixel.x, lens.width, kPartColumns));
-  }
-
   void AddSystematic(const TofPatch& patch, const Eigen::Matrix3d& left_from_tof,
                      const NumberVector& slope_per_m) {
     const Eigen::Vector3d normal = left_from_tof * patch.normal;
@@ -274,6 +266,14 @@ class DeviationSums {
 };
 
 }  // namespace
+
+size_t PartOf(const cv::Point2d& left, const Lens& lens) {
+  const auto cell = [](double at, int size, int cells) {
+    return std::clamp(static_cast<int>(at * cells / size), 0, cells - 1);
+  };
+  return static_cast<size_t>(cell(left.y, lens.height, kPartRows) * kPartColumns +
+                             cell(left.x, lens.width, kPartColumns));
+}
 
 std::optional<Deviations> DeviationsOf(const AdjustmentEnd& end,
                                        const std::optional<EdgeShift>& edges, const Wanted& free,

@@ -15,6 +15,10 @@ inline constexpr double kSharedMatchPx = 0.015;
 /// What ranges are off by, m: a sine of the 10 mm that data sheets allow.
 inline constexpr double kRangeErrorM = 0.01 / std::numbers::sqrt2;
 
+/// The number of the part of the left image, below 48, that errs by itself.
+/// @param left  px, of the unrectified image.
+size_t PartOf(const cv::Point2d& left, const Lens& lens);
+
 /// Where an adjustment ended.
 struct AdjustmentEnd {
   const RawRig& rig;

@@ -278,6 +278,8 @@ void SceneRefiner::FindCorrections(SceneRefinement& result) const {
          .error_m = *residuals[i].tof_m / patch.per_range,
          .sigma_m = std::hypot(patch.sigma_m, adjusted.match_sigma_px * m_per_px) / patch.per_range,
          .shared_m = kSharedMatchPx * m_per_px / patch.per_range,
+         .yaw_m = rig_.left.fx * adjusted.sigma[kYaw] * m_per_px / patch.per_range,
+         .part = PartOf(matches_[i].left, rig_.left),
          .brightness = BrightnessOf(patch.amplitude, middle)});
   }
   const RangeFit fit = FitRangeCurve(std::move(samples));

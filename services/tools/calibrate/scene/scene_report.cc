@@ -75,7 +75,7 @@ Table CurveTable(const SceneRefinement& refinement) {
   Table rows;
   const AmplitudeCorrection& light = refinement.light;
   if (refinement.curve.empty() && light.empty()) return rows;
-  rows.push_back({"ranges are corrected at", "by", "standard deviation, if the pair is right"});
+  rows.push_back({"ranges are corrected at", "by", "standard deviation"});
   for (const CorrectionKnot& knot : refinement.curve) {
     rows.push_back({fmt::format("{:.2f} m", knot.range_m), Number(1000 * knot.offset_m, 1, "mm"),
                     fmt::format("{:.1f} mm", 1000 * knot.sigma_m)});

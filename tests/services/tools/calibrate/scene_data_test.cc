@@ -88,9 +88,10 @@ TEST(SceneData, ClaimsNoMoreThanTheFramesTell) {
     RigNumber number;
     double by;
     double aside_m;
+    double wiggle_m = 0;
   };
   const Knock knocks[] = {{"", kTofYaw, 0, 0},
-                          {"&wiggle=10", kTofYaw, 0, 0},
+                          {"&wiggle=10", kTofYaw, 0, 0, 0.01},
                           {"", kTofYaw, 0.3 * kDegree, 0},
                           {"", kTofYaw, 0, 0.005},
                           {"", kYaw, 0.1 * kDegree, 0}};
@@ -124,6 +125,15 @@ TEST(SceneData, ClaimsNoMoreThanTheFramesTell) {
         const bool is_wrong = number == knock.number && knock.by != 0;
         const bool is_aside = number == kTofYaw && knock.aside_m != 0;
         EXPECT_EQ(adjusted.change[number] != 0, is_wrong || is_aside);
+      }
+      EXPECT_TRUE(refined->curve.empty() || knock.wiggle_m != 0) << scene;
+      for (const CorrectionKnot& knot : refined->curve) {
+        const double offset_m = adjusted.change[kRangeOffset];
+        const double phase = 2 * std::numbers::pi * (knot.range_m - offset_m) / 1.25;
+        const double left_m = knot.offset_m + offset_m + knock.wiggle_m * std::sin(phase);
+        std::cout << fmt::format("{} {}: ranges at {:.2f} m are off by {:.1f} ± {:.1f} mm\n", scene,
+                                 &knock - knocks, knot.range_m, 1000 * left_m, 1000 * knot.sigma_m);
+        EXPECT_LT(std::abs(left_m), 3 * knot.sigma_m);
       }
     }
   }
