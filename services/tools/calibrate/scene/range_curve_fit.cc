@@ -53,11 +53,13 @@ Eigen::VectorXd WeightsOf(const std::vector<double>& knots, const RangeSample& s
   return weights;
 }
 
-// Whether a range lies between knots so far apart that the curve may take any way there, and is
-// not near either. A sample there would turn the line about the nearer knot and so move the other.
-bool IsInGap(const std::vector<double>& knots, double range_m) {
+// Whether a range lies before the first knot, behind the last, or between knots so far apart that
+// the curve may take any way there, and is not near one. A sample there would turn the line about
+// the nearer knot and so move the other, or move a knot to what ranges far from it are off by.
+bool IsFarFromKnots(const std::vector<double>& knots, double range_m) {
   const auto above = std::ranges::upper_bound(knots, range_m);
-  if (above == knots.begin() || above == knots.end()) return false;
+  if (above == knots.begin()) return *above > (1 + kMinStep) * range_m;
+  if (above == knots.end()) return range_m > (1 + kMinStep) * knots.back();
   const double below_m = *(above - 1);
   return *above > (1 + kFarStep) * below_m && range_m > (1 + kMinStep) * below_m &&
          *above > (1 + kMinStep) * range_m;
@@ -186,7 +188,7 @@ RangeFit FitRangeCurve(std::vector<RangeSample> samples) {
   std::ranges::stable_sort(samples, {}, &RangeSample::range_m);
   const std::vector<double> knots = KnotRanges(samples);
   if (knots.empty()) return {};
-  std::erase_if(samples, [&](const RangeSample& s) { return IsInGap(knots, s.range_m); });
+  std::erase_if(samples, [&](const RangeSample& s) { return IsFarFromKnots(knots, s.range_m); });
   Fitted fit = FitAt(knots, samples);
   if (fit.light() != 0 && !IsSignificantCorrection(fit.light(), fit.light_sigma())) {
     for (RangeSample& sample : samples) sample.brightness = 0;

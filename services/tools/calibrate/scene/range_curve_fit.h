@@ -37,9 +37,10 @@ bool IsSignificantCorrection(double offset_m, double sigma_m);
 /// with h_i the brightness, a quarter since matches share errors, ρ Cauchy's loss, s ≥ 1 the
 /// residuals' robust scatter, τ = 20 mm what is expected of a range sensor. Each knot has the same
 /// number of samples, at least 40, and ranges 5 % apart; there are up to 24. Samples between knots
-/// more than 25 % apart count only within 5 % of one. By iterated least squares. The variance of a
-/// knot is the jackknife's over the samples' parts, at least that of weighted least squares, and
-/// what samples share; a yaw adds its own, but what it explains is not significant.
+/// more than 25 % apart, and before the first or behind the last one, count only within 5 % of one.
+/// By iterated least squares. The variance of a knot is the jackknife's over the samples' parts, at
+/// least that of weighted least squares, and what samples share; a yaw adds its own, but what it
+/// explains is not significant.
 ///
 /// @returns l is 0 and the curve has no knots when neither is significant, as above. One thread;
 ///          same input, same bytes. O(samples).

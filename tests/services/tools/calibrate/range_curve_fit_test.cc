@@ -96,6 +96,18 @@ TEST(RangeCurveFit, TakesNoStraightLineAcrossAGap) {
   EXPECT_NEAR(far->offset_m, 0, 0.009);
 }
 
+// Before its first knot the curve is flat: what nearer ranges are off by does not move the knot.
+TEST(RangeCurveFit, TakesItsFirstKnotFromWhatIsNearIt) {
+  std::vector<RangeSample> samples = Samples(2000, 0.004, [](double) { return 0.02; });
+  for (RangeSample& sample : samples) {
+    if (sample.range_m < 0.84) sample.range_m -= 0.4;
+    if (sample.range_m < 0.5) sample.error_m -= 0.01;
+  }
+  const RangeCorrection curve = FitRangeCurve(samples).curve;
+  ASSERT_FALSE(curve.empty());
+  EXPECT_NEAR(curve[0].offset_m, -0.02, 0.002);
+}
+
 TEST(RangeCurveFit, IsUnsureWhereMatchesAreNoisy) {
   const auto error = [](double) { return 0.02; };
   const RangeCorrection sure = FitRangeCurve(Samples(2000, 0.002, error)).curve;
