@@ -165,6 +165,16 @@ TEST_F(RigProgramsSystem, WatchSurvivesAHostileSenderAndStillKeepsViews) {
   EXPECT_THAT(watch.Output(), HasSubstr("views used"));
 }
 
+TEST_F(RigProgramsSystem, TwoWatchesDoNotReplaceEachOthersViews) {
+  const std::vector<std::string> command = {ProgramPath("sprout-calibrate"), "watch", "--out",
+                                            File("views")};
+  Process first(command);
+  ASSERT_TRUE(Says(first, "view 0"));
+  Process second(command);
+  EXPECT_EQ(second.Wait(seconds(60)), 2) << second.Output();
+  EXPECT_THAT(second.Output(), HasSubstr("another sprout-calibrate watch writes there"));
+}
+
 TEST_F(RigProgramsSystem, WatchSaysAtOnceThatItsFolderCannotBeWritten) {
   namespace fs = std::filesystem;
   const fs::path views = File("views");

@@ -5,15 +5,16 @@
 #include <cctype>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
-#include <stdexcept>
 #include <string_view>
 #include <utility>
 
 #include "common/config/config_error.h"
 #include "common/core/image.h"
+#include "common/core/output_file.h"
 #include "common/core/pair_names.h"
 #include "common/picture/eight_bits.h"
 #include "common/picture/read_image.h"
+#include "common/picture/write_image.h"
 #include "common/scenes/pfm.h"
 
 namespace sprout::calibrate {
@@ -148,14 +149,11 @@ std::vector<std::string> ReadImageFolder(const std::filesystem::path& folder, in
 void WriteImages(const std::filesystem::path& folder, const std::string& name,
                  const RigImages& images) {
   const auto write = [&](const std::string& what, const char* extension, const cv::Mat& image) {
-    const fs::path file = folder / (what + "_" + name + extension);
-    bool written = false;
-    try {
-      written = cv::imwrite(file.string(), image);
-    } catch (const cv::Exception&) {
-      // OpenCV's text is about its source.
-    }
-    if (!written) throw std::runtime_error(file.string() + ": cannot be written");
+    std::vector<uchar> bytes;
+    cv::imencode(extension, image, bytes);
+    OutputFile file(folder / (what + "_" + name + extension));
+    file.Write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    RequireWritten(file.Commit());
   };
   if (!images.tof.amplitude.empty()) {  // without it there are no corners in the ToF image
     write("tof_depth", ".tiff", images.tof.depth_m);

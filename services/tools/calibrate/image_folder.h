@@ -20,7 +20,7 @@ std::vector<std::string> ReadImageFolder(const std::filesystem::path& folder, in
                                          const std::function<void(const RigImages&)>& visit);
 
 /// Writes a triplet as ReadImageFolder() reads it: left and right as .png, ToF as .tiff.
-/// @throws std::runtime_error naming a file that cannot be written.
+/// @throws std::runtime_error naming a file that cannot be written, and the reason.
 void WriteImages(const std::filesystem::path& folder, const std::string& name,
                  const RigImages& images);
 

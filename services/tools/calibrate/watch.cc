@@ -1,10 +1,13 @@
 #include "services/tools/calibrate/watch.h"
 
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <iostream>
 #include <optional>
 #include <stop_token>
@@ -31,12 +34,24 @@ namespace fs = std::filesystem;
 
 constexpr std::array kParts = {Part::kLeft, Part::kRight, Part::kTof};
 
+// Two that number their views would replace each other's. For as long as the process lives.
+void Lock(const fs::path& folder) {
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  // Some network file systems have no locks.
+  if (descriptor >= 0 && flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    throw ConfigError(
+        "--out " + folder.string() +
+        ": another sprout-calibrate watch writes there; allowed: a folder of its own");
+  }
+}
+
 // Views of a board, what they cover, and the folder that they are in. For one thread.
 class ViewFolder {
  public:
   ViewFolder(const Board& board, const fs::path& folder)
       : folder_(folder), collector_(board), coverage_(board) {
     RequireWritableFolder("--out", folder, {"left_0001.png"});  // not when the board has been shown
+    Lock(folder);
     // The left image of a view is written last.
     const bool has_view = std::ranges::any_of(
         fs::directory_iterator(folder),

@@ -14,11 +14,13 @@
 #include "services/tools/calibrate/watch.h"
 #include "tests/common/app/run_main.h"
 #include "tests/common/logfile/sample_log.h"
+#include "tests/common/testing/thrown.h"
 #include "tests/services/tools/calibrate/board_scene.h"
 
 namespace sprout::calibrate {
 namespace {
 
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -187,6 +189,12 @@ TEST_F(CalibrateProgram, SeesTheBoardInImagesWhosePixelsUse10Of16Bits) {
       RunCalibrate({"estimate", folder_ / "", "--out", File("rig.textproto")});
   EXPECT_THAT(outcome.out + outcome.err, HasSubstr("8 images: 8 views used"));
   EXPECT_THAT(outcome.err, HasSubstr("left_0.png: pixels of 16 bits use 0 to 1023"));
+}
+
+TEST_F(CalibrateProgram, SaysWhyAViewCannotBeWritten) {
+  const RigImages images = scene_.Render(BoardPoses(board_, 1)[0], 0);
+  EXPECT_THAT(Thrown<std::runtime_error>([&] { WriteImages(folder_ / "none", "1", images); }),
+              EndsWith(": No such file or directory"));
 }
 
 TEST_F(CalibrateProgram, TellsACommandThatWorksWhereThereIsARigFileAndWhereThereIsNone) {
