@@ -18,6 +18,7 @@
 #include "common/config/config_error.h"
 #include "common/core/input_files.h"
 #include "common/core/number_text.h"
+#include "common/core/read_text.h"
 
 namespace sprout {
 namespace {
@@ -65,6 +66,14 @@ CLI::Validator Noted() {
   return {[](const std::string& path) -> std::string {
             NoteInputFile(path);
             return {};
+          },
+          ""};
+}
+
+CLI::Validator Open() {
+  return {[](const std::string& path) {
+            const std::string why = WhyClosed(path);
+            return why.empty() ? "" : path + ": cannot be read" + why;
           },
           ""};
 }
@@ -203,12 +212,12 @@ Flag& Flag::OneOf(const std::vector<std::string>& texts) {
 }
 
 Flag& Flag::ExistingPath() {
-  option_->check(CLI::ExistingPath)->check(Noted());
+  option_->check(Open())->check(CLI::ExistingPath)->check(Noted());
   return *this;
 }
 
 Flag& Flag::ExistingFile() {
-  option_->check(CLI::ExistingFile)->check(Noted());
+  option_->check(Open())->check(CLI::ExistingFile)->check(Noted());
   return *this;
 }
 

@@ -65,4 +65,9 @@ Result<std::string> ReadText(const std::filesystem::path& path, size_t max_bytes
   return WithoutMark(std::move(text));
 }
 
+std::string WhyClosed(const std::filesystem::path& path) {
+  if (access(path.c_str(), R_OK) == 0 || errno == ENOENT || errno == ENOTDIR) return "";
+  return " (" + std::generic_category().message(errno) + ")";
+}
+
 }  // namespace sprout

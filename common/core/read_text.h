@@ -21,4 +21,8 @@ constexpr size_t kMaxListBytes = size_t{1} << 26;
 ///          a writer, and never allocates more than max_bytes.
 Result<std::string> ReadText(const std::filesystem::path& path, size_t max_bytes = kMaxTextBytes);
 
+/// Why a file or folder cannot be read that may well be there, to stand behind what a program did
+/// not find: " (Permission denied)"; empty where nothing is there, or it can be read.
+std::string WhyClosed(const std::filesystem::path& path);
+
 }  // namespace sprout

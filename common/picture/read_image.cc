@@ -12,6 +12,7 @@
 
 #include "common/core/image.h"
 #include "common/core/input_files.h"
+#include "common/core/read_text.h"
 
 namespace sprout {
 namespace {
@@ -174,7 +175,7 @@ Result<CameraImage> Decode(const std::filesystem::path& path, int flags,
                            std::initializer_list<ImageFormat> formats) {
   const std::string name = "image " + path.string() + ": ";
   const std::string allowed = "; allowed: a readable " + NamesOf(formats) + " file";
-  const auto undecodable = Fail(name + "cannot be decoded" + allowed);
+  const auto undecodable = Fail(name + "cannot be decoded" + WhyClosed(path) + allowed);
   std::error_code ignored;
   if (std::filesystem::status(path, ignored).type() == std::filesystem::file_type::not_found) {
     return Fail(name + "is missing" + allowed);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/core/input_files.h"
+#include "common/core/read_text.h"
 #include "common/ros/chunk_codec.h"
 #include "common/ros/mcap_reader.h"
 
@@ -135,11 +136,14 @@ struct McapFile::Head {
 McapFile::McapFile(const fs::path& path, std::string name, McapTrouble& trouble)
     : name_(std::move(name)), trouble_(&trouble) {
   std::error_code failed;
-  if (!fs::is_regular_file(path, failed)) throw ConfigError(path.string() + ": cannot be opened");
+  const auto closed = [&] {
+    return ConfigError(path.string() + ": cannot be opened" + WhyClosed(path));
+  };
+  if (!fs::is_regular_file(path, failed)) throw closed();
   NoteInputFile(path);
   file_.open(path, std::ios::binary);
   size_ = fs::file_size(path, failed);
-  if (!file_ || failed) throw ConfigError(path.string() + ": cannot be opened");
+  if (!file_ || failed) throw closed();
   McapBytes magic(std::min<uint64_t>(size_, kMcapMagic.size()));
   ReadContent(0, magic.size(), magic);
   if (IsZstd(magic)) {

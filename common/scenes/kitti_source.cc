@@ -9,6 +9,7 @@
 #include <set>
 #include <string_view>
 
+#include "common/core/read_text.h"
 #include "common/scenes/kitti_calibration.h"
 #include "common/scenes/pfm.h"
 #include "common/scenes/range_errors.h"
@@ -241,7 +242,7 @@ std::vector<std::string> KittiPlaces(const std::string& place) {
   }
   const std::optional<KittiFolder> folder = FolderAt(path.parent_path());
   if (!folder || !IsFile(KittiFiles(*folder, path.filename()).left)) {
-    throw BadPlace(place, "no such frame");
+    throw BadPlace(place, "no such frame" + WhyClosed(path / "image_2"));
   }
   return {path.string()};
 }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/core/image.h"
+#include "common/core/read_text.h"
 #include "common/scenes/middlebury_calibration.h"
 #include "common/scenes/pfm.h"
 #include "common/scenes/range_errors.h"
@@ -159,15 +160,16 @@ Scene Read2014(const fs::path& folder) {
 Scene ReadScene(const fs::path& folder, const CaptureConfig& config) {
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored)) {
-    throw ConfigError("capture.source = middlebury:" + folder.string() +
-                      ": no such folder; allowed: the folder of a Middlebury scene");
+    throw ConfigError("capture.source = middlebury:" + folder.string() + ": no such folder" +
+                      WhyClosed(folder) + "; allowed: the folder of a Middlebury scene");
   }
   if (FindImage(folder, k2005.left)) return ReadCoded(k2005, folder, config);
   if (FindImage(folder, k2003.left)) return ReadCoded(k2003, folder, config);
   if (FindImage(folder, "im0")) return Read2014(folder);
-  throw ConfigError("scene " + folder.string() + ": no left image; allowed: " +
-                    Candidates(k2005.left) + " (2005, 2006), " + Candidates(k2003.left) +
-                    " (2003) or " + Candidates("im0") + " (2014, 2021, ETH3D)");
+  throw ConfigError("scene " + folder.string() + ": no left image" +
+                    WhyClosed(folder / k2005.left) + "; allowed: " + Candidates(k2005.left) +
+                    " (2005, 2006), " + Candidates(k2003.left) + " (2003) or " + Candidates("im0") +
+                    " (2014, 2021, ETH3D)");
 }
 
 class MiddleburyDataset : public Dataset {

@@ -17,6 +17,7 @@
 #include "common/core/image.h"
 #include "common/core/number_text.h"
 #include "common/core/pair_names.h"
+#include "common/core/read_text.h"
 #include "common/core/sleep.h"
 #include "common/picture/eight_bits.h"
 #include "services/capture/genicam/triplet_synchronizer.h"
@@ -66,7 +67,7 @@ std::vector<std::string> ImageList(const std::string& pattern) {
         std::string_view(file).substr(before.size(), file.size() - before.size() - after.size());
     return !IsNumber(number, static_cast<size_t>(*digits));
   });
-  if (files.empty()) refuse("cannot be opened: no image is called so");
+  if (files.empty()) refuse("cannot be opened: no image is called so" + WhyClosed(pattern));
   std::ranges::sort(files, ComesBefore);
   return files;
 }
@@ -143,8 +144,8 @@ class VideoSource : public RawSource {
         is_live_(std::any_of(settings.places.begin(), settings.places.end(), IsDevice)),
         eight_bits_(settings.bits) {
     if (const std::optional<std::string> refused = Open()) {
-      throw ConfigError("video " + *refused +
-                        ": cannot be opened; allowed: a video, an image list (left_%04d.png), a "
+      throw ConfigError("video " + *refused + ": cannot be opened" + WhyClosed(*refused) +
+                        "; allowed: a video, an image list (left_%04d.png), a "
                         "device (/dev/video0)");
     }
   }

@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "common/config/config_error.h"
+#include "common/core/read_text.h"
 #include "services/capture/video_pictures.h"
 
 namespace sprout {
@@ -66,14 +67,15 @@ std::vector<fs::path> FilesOf(const std::string& what, const std::string& text) 
   const bool is_folder = fs::is_directory(text, ignored);
   if (!is_folder && !IsPattern(text)) {
     throw ConfigError(fmt::format(
-        "{} {}: not there; allowed: an image, a folder of images, or a pattern in quotes", what,
-        text));
+        "{} {}: not there{}; allowed: an image, a folder of images, or a pattern in quotes", what,
+        text, WhyClosed(text)));
   }
   const std::vector<std::string> names =
       is_folder ? ImagesIn(what, text) : capture::FilesMatching(text);
   if (names.empty()) {
-    throw ConfigError(fmt::format("{} {}: {}", what, text,
-                                  is_folder ? "holds no image" : "no file is called so"));
+    throw ConfigError(fmt::format("{} {}: {}{}", what, text,
+                                  is_folder ? "holds no image" : "no file is called so",
+                                  WhyClosed(text)));
   }
   std::vector<fs::path> files(names.begin(), names.end());
   std::ranges::sort(files);  // the file system's order is any

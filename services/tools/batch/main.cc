@@ -3,10 +3,12 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "common/app/compute.h"
@@ -53,8 +55,10 @@ class FolderLock {
     fs::create_directories(folder.root(), error);
     const fs::path path = folder.root() / "lock";
     descriptor_ = open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666);
-    if (descriptor_ < 0)
-      throw ConfigError("--out " + folder.root().string() + ": cannot be written");
+    if (descriptor_ < 0) {
+      throw ConfigError("--out " + folder.root().string() + ": cannot be written (" +
+                        std::generic_category().message(errno) + ")");
+    }
     if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
     close(descriptor_);
     throw ConfigError("--out " + folder.root().string() +

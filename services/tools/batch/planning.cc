@@ -20,6 +20,7 @@
 #include "common/core/input_files.h"
 #include "common/core/number_text.h"
 #include "common/core/printable.h"
+#include "common/core/read_text.h"
 #include "common/core/signal_watcher.h"
 #include "common/logfile/log_error.h"
 #include "common/logfile/log_reader.h"
@@ -88,8 +89,10 @@ Manifest SettingsOf(const BatchRequest& request, const std::string& program) {
   manifest.set_measured(!request.no_measures);
   manifest.set_tables(FileDigest(program));
   if (request.truth.empty()) return manifest;
-  if (!fs::is_directory(request.truth)) {
-    throw ConfigError(fmt::format("--truth {}: no such folder", request.truth));
+  std::error_code ignored;
+  if (!fs::is_directory(request.truth, ignored)) {
+    throw ConfigError(
+        fmt::format("--truth {}: no such folder{}", request.truth, WhyClosed(request.truth)));
   }
   manifest.set_truth(Absolute(request.truth));
   return manifest;
@@ -149,15 +152,16 @@ void AddLogs(const std::vector<std::string>& paths, const std::map<std::string, 
 class Inputs {
  public:
   void Add(const std::string& input) {
+    std::error_code ignored;
     if (input.starts_with('@')) {
       AddList(input.substr(1));
-    } else if (fs::is_directory(input)) {
+    } else if (fs::is_directory(input, ignored)) {
       const std::vector<std::string> found = LogsBelow(input);
       logs_.insert(logs_.end(), found.begin(), found.end());
-    } else if (fs::is_regular_file(input)) {
+    } else if (fs::is_regular_file(input, ignored)) {
       logs_.push_back(fs::absolute(input).lexically_normal());
     } else {
-      throw ConfigError(Printable(input) + ": no such log or folder");
+      throw ConfigError(Printable(input) + ": no such log or folder" + WhyClosed(input));
     }
   }
 
@@ -169,8 +173,8 @@ class Inputs {
     std::ifstream list(path);
     // A pipe is as good as a file; others, such as /dev/zero, may never end.
     if (!list || !(fs::is_regular_file(path) || fs::is_fifo(path))) {
-      throw ConfigError("@" + Printable(path) +
-                        ": no such list; allowed: a text file, a log a line");
+      throw ConfigError("@" + Printable(path) + ": no such list" + WhyClosed(path) +
+                        "; allowed: a text file, a log a line");
     }
     const fs::path canonical = fs::canonical(path);
     if (std::ranges::count(open_, canonical) > 0) {

@@ -2,10 +2,12 @@
 
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <optional>
 
 #include "common/app/help_text.h"
 #include "common/config/config_error.h"
+#include "tests/common/picture/temporary_directory.h"
 #include "tests/common/testing/thrown.h"
 
 namespace sprout {
@@ -70,6 +72,19 @@ TEST(Flags, RefuseAListWithAnEmptyElement) {
     EXPECT_EQ(ErrorOf(flags, {"go", "--more", list.c_str()}), "--more " + error);
   }
   EXPECT_EQ(ErrorOf(flags, {"--names", "x", "--loud"}), "no error");
+}
+
+TEST(Flags, SayWhyAFileThatIsThereCannotBeRead) {
+  const TemporaryDirectory folder;
+  const std::string loop = folder / "loop";
+  std::filesystem::create_symlink(loop, loop);
+  Flags flags("probe", "Probes flags");
+  std::string log, none;
+  flags.Add("LOG", log, "").ExistingPath();
+  flags.Add("--file", none, "").ExistingFile();
+  const std::string why = loop + ": cannot be read (Too many levels of symbolic links)";
+  EXPECT_THAT(ErrorOf(flags, {loop.c_str()}), HasSubstr("LOG: " + why));
+  EXPECT_THAT(ErrorOf(flags, {"--file", loop.c_str()}), HasSubstr("--file: " + why));
 }
 
 TEST(Flags, RefuseWhatIsNotAllowedAndSayWhatIs) {

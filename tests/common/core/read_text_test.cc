@@ -67,6 +67,11 @@ TEST_F(ReadTextTest, NamesTheReasonOfTheSystem) {
   EXPECT_EQ(ErrorOf(folder_ / "none"), "cannot be read (No such file or directory)");
   fs::create_symlink(folder_ / "loop", folder_ / "loop");
   EXPECT_EQ(ErrorOf(folder_ / "loop"), "cannot be read (Too many levels of symbolic links)");
+  EXPECT_EQ(WhyClosed(folder_ / "loop"), " (Too many levels of symbolic links)");
+  EXPECT_EQ(WhyClosed(folder_ / "loop" / "none"), " (Too many levels of symbolic links)");
+  for (const fs::path& path : {folder_ / "none", Write("a"), folder_ / ""}) {
+    EXPECT_EQ(WhyClosed(path), "") << path;
+  }
   // Regular, of size 0, and no byte of it can be read.
   EXPECT_EQ(ErrorOf("/proc/self/mem"), "cannot be read (Input/output error)");
 }

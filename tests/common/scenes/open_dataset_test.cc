@@ -36,7 +36,7 @@ TEST(OpenDataset, SaysWhoPlaysLogs) {
 TEST(OpenDataset, RefusesAFolderThatDoesNotExist) {
   for (const std::string text : {"middlebury", "middlebury:", "middlebury:/no/such/folder"}) {
     EXPECT_THAT(OpenError(WithSource(text)),
-                AllOf(HasSubstr("capture.source = middlebury:"), HasSubstr("no such folder"),
+                AllOf(HasSubstr("capture.source = middlebury:"), HasSubstr("no such folder;"),
                       HasSubstr("allowed: ")));
   }
 }

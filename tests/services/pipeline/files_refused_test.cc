@@ -21,6 +21,8 @@ TEST_F(Files, ThatCannotBeUsedAreRefusedBeforeAnythingIsComputed) {
   const std::string nothing = folder_ / "nothing";
   const std::string empty = folder_ / "empty";
   fs::create_directories(empty);
+  const std::string loop = folder_ / "loop";
+  fs::create_symlink(loop, loop);
   Write("two/1.png", scene_.left);
   Write("two/2.png", scene_.left);
   Write("two/2.bmp", scene_.left);
@@ -36,6 +38,8 @@ TEST_F(Files, ThatCannotBeUsedAreRefusedBeforeAnythingIsComputed) {
     std::string text;
   } table[] = {
       {[&](auto& o) { o.left = nothing; }, "LEFT " + nothing + ": not there; allowed: "},
+      {[&](auto& o) { o.left = loop; },
+       "LEFT " + loop + ": not there (Too many levels of symbolic links); allowed: "},
       {[&](auto& o) { o.right = empty; }, "RIGHT " + empty + ": holds no image"},
       {[&](auto& o) { o.tof = nothing + "*"; }, "--tof " + nothing + "*: no file is called so"},
       {[&](auto& o) { o.left = folder_ / "two/*.png"; },
