@@ -294,6 +294,9 @@ From the (4, 4) matrix Q of cv2.stereoRectify(), with translations in m.)")
       .def(
           "with_aligned_tof",
           [](const Rig& rig, int width, int height) {
+            if (width == 0 && height == 0) {  // means "no range camera" in a rig
+              throw py::value_error("tof_width = 0: allowed is 1 to 16384");
+            }
             return WithTof(rig, TofOverLeft(rig.pair, {width, height}));
           },
           py::arg("width"), py::arg("height"),

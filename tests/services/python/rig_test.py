@@ -96,6 +96,9 @@ class RigTest(unittest.TestCase):
     def test_says_what_no_camera_has(self) -> None:
         with self.assertRaisesRegex(ValueError, "baseline_m"):
             sprout.Rig(640, 480, 700, -0.12)
+        for size in (0, 0), (-1, 48), (64, 0):
+            with self.assertRaisesRegex(ValueError, "allowed is 1 to 16384"):
+                sprout.Rig(640, 480, 700, 0.12).with_aligned_tof(*size)
         with self.assertRaisesRegex(ValueError, "keys that to_dict"):
             sprout.Rig.from_dict({"width": 3})
 
