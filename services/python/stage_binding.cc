@@ -129,16 +129,18 @@ class PyStage : public StageAdapter {
     }
     RequireKnown(parts);
     for (const Part part : kAllParts) {
-      if (!outputs_.Has(part)) continue;
       const py::str name(NameOf(part));
-      if (parts.contains(name)) {
+      if (!outputs_.Has(part)) {
+        if (parts.contains(name))
+          WarnOnce(part, "is not sent: the configuration does not ask for it");
+      } else if (parts.contains(name)) {
         outcome.outputs.push_back({part, TakeValue(part, parts[name], size)});
       } else if (part == Part::kLeftSeeds) {
         outcome.outputs.push_back({part, SeedSet()});
       } else if (part == MainPart()) {
         Refuse(std::string(name), "a value in the dict", py::none());
       } else {
-        WarnOfMissing(part);
+        WarnOnce(part, "is missing, and the configuration asks for it");
       }
     }
     return outcome;
@@ -164,10 +166,10 @@ class PyStage : public StageAdapter {
     return config;
   }
 
-  void WarnOfMissing(Part part) {
+  void WarnOnce(Part part, std::string_view what) {
     if (warned_.Has(part)) return;
     warned_.Add(part);
-    LogLine(LogLevel::kWarning, "nothing on {}, which the configuration asks for", ChannelOf(part));
+    LogLine(LogLevel::kWarning, "{} {}", NameOf(part), what);
   }
 
   std::string stage_;
