@@ -206,7 +206,12 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
     outcome.degenerate =
         seeds->raw == 0 ? "no ToF point has a return"
                         : "none of " + std::to_string(seeds->raw) + " ToF points became a seed";
-    if (finds_stereo_seeds_) outcome.degenerate += ", and stereo found none";
+    if (finds_stereo_seeds_) {
+      outcome.degenerate += ", and stereo found none";
+    } else if (seeds->raw == 0) {
+      outcome.degenerate +=
+          "; seeds of stereo take refine { stereo_seeds: true }, as in preset default";
+    }
   }
   const SensorPlace& place = refiner_.sensor_place();
   if (refined.fits && place.is_displaced) {

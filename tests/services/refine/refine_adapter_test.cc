@@ -118,6 +118,10 @@ TEST(RefineAdapter, SaysWhyAFrameHasNoSeeds) {
   Scene scene;
   EXPECT_THAT(adapter.Process(FrameOf(scene)).degenerate,
               HasSubstr("no ToF point has a return, and stereo found none"));
+  RefineConfig without_stereo;
+  without_stereo.set_stereo_seeds(false);
+  EXPECT_THAT(RefineAdapter(without_stereo).Process(FrameOf(scene)).degenerate,
+              HasSubstr("no ToF point has a return; seeds of stereo take refine { stereo_seeds"));
   scene.SetDisparity(0, 0, 5);
   EXPECT_THAT(adapter.Process(FrameOf(scene)).degenerate, HasSubstr("none of 1 ToF points"));
   scene.right = cv::Mat1b(10, 10, uint8_t{0});
