@@ -57,8 +57,8 @@ constexpr char kDefinitions[] = R"(
 Definitions (as in the Middlebury SDK)
   error       |d - d_gt| of a pixel, px. A pixel without a disparity is wrong for every threshold.
   nonocc      the pixels that are scored: those that both cameras see. The truth is known in both
-              views and |d_left(u, v) - d_right(u - d_left, v)| <= 1. Without a right truth, the left
-              one is warped into the right image, where the nearest surface is seen.
+              views and |d_left(u, v) - d_right(u - d_left, v)| <= 1. Without a right truth, the
+              left one is warped into the right image, where the nearest surface is seen.
   all         all pixels with a known left truth.
   away        of these, the ones at least 3 px from every ToF point.
   <= 1, < 1   per cent of pixels with an error of at most / below 1 px. "<= 1" is 100 - "total bad
@@ -67,9 +67,10 @@ Definitions (as in the Middlebury SDK)
   D1          per cent with an error > 3 px and > 5 % of the true disparity, or no disparity.
   density     per cent of pixels with a disparity; invalid: the others.
   mean, rms   absolute error, over the pixels with a disparity.
-  wrong seed  more than 3 px from the truth, or on a pixel that a nearer surface hides from the right
-              camera; per cent of all ToF points (before refinement) and of those kept (after). A
-              good one is within 3 px on a pixel that both cameras see; lost: refinement dropped it.
+  wrong seed  more than 3 px from the truth, or on a pixel that a nearer surface hides from the
+              right camera; per cent of all ToF points (before refinement) and of those kept
+              (after). A good one is within 3 px on a pixel that both cameras see; lost: refinement
+              dropped it.
   confidence  bad 1 of the pixels with the highest confidence; area: mean of that curve over
               the share of pixels kept; oracle: if the wrong pixels came last.
   times       medians over --repeat runs, ms, one run after another. Rivals have one time; that of
