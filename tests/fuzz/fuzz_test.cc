@@ -1,7 +1,9 @@
-// Every target on its good inputs, on what fuzzing found once (findings/TARGET), and on nothing.
+// Every target on its good inputs, their beginnings and mutations, and on what fuzzing found once
+// (findings/TARGET).
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <random>
 #include <system_error>
 
 #include "tests/common/logfile/sample_log.h"
@@ -26,6 +28,20 @@ TEST_P(FuzzTarget, TakesItsGoodInputsAndEveryBeginningOfThem) {
     for (size_t size = 0; size < seed.size(); size += step)
       target_.run(std::span(seed).first(size));
     target_.run(seed);
+  }
+}
+
+TEST_P(FuzzTarget, SurvivesMutations) {
+  std::mt19937 random(1);
+  const std::vector<Bytes> seeds = target_.seeds();
+  for (size_t i = 0; i < 5000; ++i) {
+    Bytes bytes = seeds[i % seeds.size()];
+    if (bytes.empty()) continue;
+    for (uint32_t k = random() % 4 + 1; k > 0; --k) {
+      bytes[random() % bytes.size()] = static_cast<uint8_t>(random() % 3 == 0 ? 0xff : random());
+    }
+    if (random() % 4 == 0) bytes.resize(random() % bytes.size());
+    target_.run(bytes);
   }
 }
 

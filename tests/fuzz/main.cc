@@ -10,15 +10,12 @@
 
 namespace {
 
-using sprout::fuzz::Bytes;
-using sprout::fuzz::Target;
-
-const Target* target = nullptr;
+const sprout::fuzz::Target* target = nullptr;
 
 void WriteSeeds(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
   int number = 0;
-  for (const Bytes& seed : target->seeds()) {
+  for (const sprout::fuzz::Bytes& seed : target->seeds()) {
     std::ofstream file(folder / ("seed" + std::to_string(number++)), std::ios::binary);
     file.write(reinterpret_cast<const char*>(seed.data()),
                static_cast<std::streamsize>(seed.size()));

@@ -56,6 +56,7 @@ void DecodeMessage(std::span<const uint8_t> bytes) {
   const Bytes message = WithFingerprint(wire, reader.rest());
   const Result<FrameId> id = DecodeFrameId(message);
   if (!wire.part) {
+    (void)wire.ErrorOf(message);
     const Result<StageStatus> status = DecodeStatus(message);
     if (status) Check(DecodeStatus(EncodeStatus(*status)).has_value(), "a status is refused");
     return;

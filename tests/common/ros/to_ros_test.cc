@@ -12,7 +12,6 @@ namespace {
 
 using examples::ErrorOf;
 using examples::Place;
-using testing::HasSubstr;
 
 TEST(ToRos, PointsHavePlaceColourAndConfidence) {
   const PointCloud cloud{{{.position_m = {1, 2, 3}, .bgr = {10, 20, 30}, .confidence = 200}}};
@@ -84,7 +83,7 @@ TEST(ToRos, StampsAreTheCaptures) {
   EXPECT_EQ(before.nanosec, 999'999'000U);
   RosHeader header{};
   header.stamp.nanosec = 1'000'000'000;
-  EXPECT_THAT(ErrorOf(FromRosStamp(header)), HasSubstr("nanosec = 1000000000"));
+  EXPECT_THAT(ErrorOf(FromRosStamp(header)), testing::HasSubstr("nanosec = 1000000000"));
 }
 
 TEST(RosTopics, SayNothingOfAFrameWithoutCalibrationWhereTheyNeedIt) {
