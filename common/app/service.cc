@@ -88,13 +88,12 @@ Service::Service(std::string stage, const std::string& description, const std::s
 }
 
 void Service::OfferReplay() {
-  Flag replay =
-      flags_
-          .Add("--replay LOG", replay_,
-               "Process all frames of this log instead of live ones, as fast as possible; "
-               "may be given several times: events are merged by time, and a "
-               "channel is taken from the last log that has it")
-          .Repeatable();
+  Flag replay = flags_
+                    .Add("--replay LOG", replay_,
+                         "Process all frames of this log instead of live ones, as fast as "
+                         "possible; may be given several times: events are merged by time, and a "
+                         "channel is taken from the last log that has it")
+                    .Repeatable();
   Flag record = flags_.Add("--record LOG", record_, "Log for the answers of --replay");
   Flag frames =
       flags_.Add("--frames A:B", frames_,

@@ -68,11 +68,10 @@ std::string SilenceText(const std::vector<std::string>& needed, const MessageCou
     for (std::string& other : OtherPrefixes(channel, present))
       elsewhere.push_back(std::move(other));
   }
-  std::string text =
-      missing.empty()
-          ? "no frame has all its messages, though every channel is heard; do they come from one "
-            "capture?"
-          : fmt::format("no whole frame, nothing heard on {}", fmt::join(missing, ", "));
+  std::string text = missing.empty() ? "no frame has all its messages, though every channel is "
+                                       "heard; do they come from one capture?"
+                                     : fmt::format("no whole frame, nothing heard on {}",
+                                                   fmt::join(missing, ", "));
   text += present.empty() ? "; nothing else is heard either"
                           : "; heard in a second: " + CountsText(present);
   if (!elsewhere.empty()) {

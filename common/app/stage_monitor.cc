@@ -52,12 +52,11 @@ TimeSummary Summarise(std::vector<double> times_ms) {
 
 std::string FutureText(int64_t seq, double age_ms) {
   char text[240];
-  std::snprintf(
-      text, sizeof text,
-      "frame %lld was captured %.3f s in the future by this host's clock: synchronise "
-      "the clocks of both hosts (NTP, PTP), or, if this one's was set back, start capture "
-      "again; until then ages are wrong",
-      static_cast<long long>(seq), -age_ms / 1000);
+  std::snprintf(text, sizeof text,
+                "frame %lld was captured %.3f s in the future by this host's clock: synchronise "
+                "the clocks of both hosts (NTP, PTP), or, if this one's was set back, start "
+                "capture again; until then ages are wrong",
+                static_cast<long long>(seq), -age_ms / 1000);
   return text;
 }
 

@@ -58,11 +58,10 @@ HangLimit::Duration WatchdogTime() {
 void NotifyReady() { Tell("READY=1"); }
 
 void NotifyStatus(const StageStatus& status) {
-  Tell(
-      fmt::format("STATUS={} frames, {:.1f} a second, {} skipped, {} failed, {} incomplete, {} bad "
-                  "messages",
-                  status.frames_out, status.rate_hz, status.frames_skipped, status.frames_failed,
-                  status.frames_incomplete, status.bad_messages));
+  Tell(fmt::format(
+      "STATUS={} frames, {:.1f} a second, {} skipped, {} failed, {} incomplete, {} bad messages",
+      status.frames_out, status.rate_hz, status.frames_skipped, status.frames_failed,
+      status.frames_incomplete, status.bad_messages));
 }
 
 bool LogsToJournal() {

@@ -73,14 +73,12 @@ Finding JudgeScene(const Matches& matches, const PairModel& model) {
     finding.verdict = Verdict::kBad;
     finding.text = fmt::format(
         "left and right do not show one scene: {} of {} corners are in both; are these files of "
-        "one "
-        "pair, and its rows within {:.0f} px?",
+        "one pair, and its rows within {:.0f} px?",
         inliers, matches.left_features, matches.most_rows_px);
   } else {
     finding.text = fmt::format(
-        "{} of {} corners are in both images: too few to tell whether they "
-        "show one scene",
-        inliers, matches.left_features);
+        "{} of {} corners are in both images: too few to tell whether they show one scene", inliers,
+        matches.left_features);
   }
   return finding;
 }
@@ -100,8 +98,7 @@ Finding JudgeTime(const PairModel& model) {
     finding.verdict = Verdict::kBad;
     finding.text = fmt::format(
         "near things lie {:.1f} ± {:.1f} px off the rows of far ones: left and right are not of "
-        "one "
-        "moment, or the right camera stands elsewhere than calibrated",
+        "one moment, or the right camera stands elsewhere than calibrated",
         finding.value, finding.sigma);
   } else if (finding.value + 2 * finding.sigma < most &&
              std::abs(model.worst_px.value) < PairRules::kMaxRowsPx) {
@@ -123,8 +120,7 @@ double ShareBehind(const std::vector<Match>& matches, double infinity_px, double
 
 constexpr const char* kSwapped =
     "left and right are swapped: give them the other way round (or tell the columns of the "
-    "principal "
-    "points: cx, cx_right)";
+    "principal points: cx, cx_right)";
 
 // Where the principal points allow the disparities of either order.
 void JudgeOrder(const cv::Mat1b& left, const cv::Mat1b& right, const PairModel& model,
@@ -201,8 +197,7 @@ Finding JudgeRows(const PairModel& model) {
     finding.text = fmt::format(
         "rows of the right image lie {:+.2f} ± {:.2f} px off those of the left one in the middle, "
         "up to {:+.2f} px elsewhere (roll {:+.2f}°; {} px are allowed): rectify the pair, or "
-        "correct "
-        "the rig with sprout-calibrate refine",
+        "correct the rig with sprout-calibrate refine",
         model.middle_px.value, model.middle_px.sigma, finding.value,
         model.roll_rad * 180 / std::numbers::pi, PairRules::kMaxRowsPx);
   } else if (off + finding.sigma < PairRules::kMaxRowsPx) {
@@ -253,8 +248,7 @@ Finding JudgeBits(const cv::Mat1b& left, const cv::Mat1b& right) {
     finding.verdict = Verdict::kBad;
     finding.text = fmt::format(
         "the brightest grey values are {:.0f} and {:.0f} of 255: images of 10 or 12 bits in 16 "
-        "have "
-        "to be scaled, dark ones to be exposed longer",
+        "have to be scaled, dark ones to be exposed longer",
         of_left, of_right);
   } else if (clipped > PairRules::kMaxClipped) {
     finding.verdict = Verdict::kBad;

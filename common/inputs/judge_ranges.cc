@@ -153,8 +153,7 @@ Finding JudgeHits(const RangeModel& model) {
   finding.value = 100 * share;
   finding.sigma = 0;
   finding.text = fmt::format(
-      "{} of {} pixels of the range image have a return, {} of them fall "
-      "into the picture",
+      "{} of {} pixels of the range image have a return, {} of them fall into the picture",
       model.returns, model.pixels, std::min(model.in_picture, model.returns));
   const double apart = model.pairs == 0 ? 0 : static_cast<double>(model.apart) / model.pairs;
   if (model.pairs >= RangeVerdicts::kFewPairs && apart > RangeVerdicts::kNoise) {
@@ -194,10 +193,9 @@ Finding JudgeHits(const RangeModel& model) {
   if (model.returns > 0) {
     finding.text += ": where does the range sensor stand, and in which unit are ranges (rig file)?";
   } else if (model.values > 0) {
-    finding.text = fmt::format(
-        "all {} ranges are beyond {:.0f} m: are they in mm, and read as m? "
-        "--tof-unit",
-        model.values, kMaxTofDepthM);
+    finding.text =
+        fmt::format("all {} ranges are beyond {:.0f} m: are they in mm, and read as m? --tof-unit",
+                    model.values, kMaxTofDepthM);
   } else {
     finding.text = fmt::format(
         "none of the {} pixels of the range image has a return: is the range "
@@ -233,10 +231,9 @@ Finding JudgePlace(const RangeModel& model) {
   } else if (as_is.compared >= RangeVerdicts::kFewCompared &&
              as_is.share() >= RangeVerdicts::kHalf && AreApart(as_is, model.turned)) {
     finding.verdict = Verdict::kGood;
-    finding.text = fmt::format(
-        "{:.0f} % of the ranges agree with stereo, turned otherwise at most "
-        "{:.0f} %",
-        100 * as_is.share(), 100 * model.turned.share());
+    finding.text =
+        fmt::format("{:.0f} % of the ranges agree with stereo, turned otherwise at most {:.0f} %",
+                    100 * as_is.share(), 100 * model.turned.share());
   } else {
     finding.text = fmt::format(
         "ranges agree with stereo at {:.0f} % of {} matches, turned otherwise "
@@ -268,8 +265,7 @@ Finding JudgeScale(const RangeModel& model, bool is_turned) {
              model.as_is.share() >= RangeVerdicts::kGood) {
     finding.verdict = Verdict::kGood;
     finding.text = fmt::format(
-        "ranges are {:.3f} ± {:.3f} times those of stereo ({:+.0f} ± {:.0f} "
-        "mm in the middle)",
+        "ranges are {:.3f} ± {:.3f} times those of stereo ({:+.0f} ± {:.0f} mm in the middle)",
         finding.value, finding.sigma, 1000 * model.offset_m.value, 1000 * model.offset_m.sigma);
   } else {
     finding.value = finding.sigma = Finding::kUnknown;
@@ -310,10 +306,9 @@ Finding JudgeMoment(const RangeModel& model, bool is_explained) {
     finding.text = fmt::format("ranges and images disagree at {:.0f} ± {:.0f} % of the points",
                                finding.value, finding.sigma);
   } else {
-    finding.text = fmt::format(
-        "ranges and images disagree at {:.0f} ± {:.0f} % of {} points: too "
-        "few to tell",
-        finding.value, finding.sigma, as_is.compared);
+    finding.text =
+        fmt::format("ranges and images disagree at {:.0f} ± {:.0f} % of {} points: too few to tell",
+                    finding.value, finding.sigma, as_is.compared);
   }
   return finding;
 }

@@ -33,10 +33,9 @@ Result<cv::Rect> Within(const char* what, const cv::Rect& rect, cv::Size size) {
   if (inside(rect.x, rect.width, size.width) && inside(rect.y, rect.height, size.height)) {
     return rect;
   }
-  return Fail(
-      fmt::format("{} {}: allowed is a rectangle LEFT,TOP,WIDTH,HEIGHT of at least {} px a "
-                  "side inside {} px",
-                  what, RectText(rect), TargetMeter::kMinSide, SizeText(size)));
+  return Fail(fmt::format(
+      "{} {}: allowed is a rectangle LEFT,TOP,WIDTH,HEIGHT of at least {} px a side inside {} px",
+      what, RectText(rect), TargetMeter::kMinSide, SizeText(size)));
 }
 
 // The median of the standard deviations of n normal values each is below that of all: the median of

@@ -173,10 +173,9 @@ TofCamera TofCameraOf(const RigDescription& description, const fs::path& path) {
   }
   if (calibration.range_scale() != 1 || calibration.range_offset_m() != 0 ||
       calibration.range_correction_size() > 0 || calibration.has_amplitude_correction()) {
-    throw ConfigError(
-        "rig file " + path.string() +
-        ": a bias of the range, but no left and right cameras; allowed: "
-        "range_scale: 1, range_offset_m: 0, no range_correction, no amplitude_correction");
+    throw ConfigError("rig file " + path.string() +
+                      ": a bias of the range, but no left and right cameras; allowed: range_scale: "
+                      "1, range_offset_m: 0, no range_correction, no amplitude_correction");
   }
   const Lens lens = CheckedLens("calibration.tof", calibration.tof());
   const Pose pose = CheckedPose("calibration.left_from_tof", calibration.left_from_tof());

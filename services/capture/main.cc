@@ -32,15 +32,12 @@ void AddFlags(Flags& flags, ConfigFlags& config, CaptureOptions& options, Timeou
   flags.Add(
       "--source SOURCE", config.source,
       "middlebury:DIR (a scene folder) or synthetic:WxH (a moving scene), with ?tof=grid or "
-      "?tof=sr4000 for the simulated ToF camera, ?tof=zones:8x8 for a multi-zone sensor; "
-      "log:FILE, a recorded log, with ?prefix=TEXT "
-      "if its channels have one, ?rig=RIG to rectify raw images; cameras: genicam:RIG (GigE "
-      "Vision, USB3 Vision), opencv:LEFT,RIGHT?rig=RIG "
-      "(videos, image lists, devices), "
-      "opencv:BOTH?rig=RIG and v4l2:DEVICE?rig=RIG (both views side by side); ROS 2: "
-      "ros2:left=TOPIC&right=TOPIC, live, and mcap:FILE?left=TOPIC&right=TOPIC, with &points= "
-      "or "
-      "&depth= of a range sensor");
+      "?tof=sr4000 for the simulated ToF camera, ?tof=zones:8x8 for a multi-zone sensor; log:FILE, "
+      "a recorded log, with ?prefix=TEXT if its channels have one, ?rig=RIG to rectify raw images; "
+      "cameras: genicam:RIG (GigE Vision, USB3 Vision), opencv:LEFT,RIGHT?rig=RIG (videos, image "
+      "lists, devices), opencv:BOTH?rig=RIG and v4l2:DEVICE?rig=RIG (both views side by side); ROS "
+      "2: ros2:left=TOPIC&right=TOPIC, live, and mcap:FILE?left=TOPIC&right=TOPIC, with &points= "
+      "or &depth= of a range sensor");
   flags.Add("--rate HZ", config.rate_hz,
             "Frames a second; 0 = as fast as possible. Without it a log keeps its recorded "
             "pace, or with --lockstep that of the answers");

@@ -88,11 +88,10 @@ class SourceFeed : public CaptureFeed {
   // Warns if the clock that frames are stamped with was set back.
   void SayClockSetBack(const char* whose, int64_t set_back_us, bool is_followed) {
     if (set_back_us <= 0 || !clock_log_.Pass(StageMonitor::Clock::now())) return;
-    monitor_.Warn(fmt::format("{} clock was set back by {:.3f} s: {}", whose,
-                              static_cast<double>(set_back_us) * 1e-6,
-                              is_followed ? "the times of frames go back, too"
-                                          : "until it is there again, frames are stamped 1 µs "
-                                            "apart"));
+    monitor_.Warn(fmt::format(
+        "{} clock was set back by {:.3f} s: {}", whose, static_cast<double>(set_back_us) * 1e-6,
+        is_followed ? "the times of frames go back, too"
+                    : "until it is there again, frames are stamped 1 µs apart"));
   }
 
   std::unique_ptr<scenes::TripletSource> source_;

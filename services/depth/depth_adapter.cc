@@ -22,8 +22,7 @@ void RequireSomething(const DepthConfig& config) {
   throw ConfigError(
       "depth.publish_depth, depth.publish_cloud, depth.publish_preview, depth.publish_sigma, "
       "depth.publish_scan = false, depth.target empty: nothing to publish; allowed: at least one "
-      "of "
-      "them");
+      "of them");
 }
 
 void RequireSigma(const DepthConfig& config) {

@@ -74,10 +74,9 @@ std::vector<cv::Point> RegionOf(const DepthConfig& config) {
                       std::to_string(kFarthestCorner) + " to " + std::to_string(kFarthestCorner));
   }
   if (numbers.size() % 2 != 0 || numbers.size() == 2) {
-    throw ConfigError(
-        "depth.region: " + std::to_string(numbers.size()) +
-        " numbers; allowed: column and row of 2 corners of a rectangle, of 3 and more "
-        "of a polygon, or nothing");
+    throw ConfigError("depth.region: " + std::to_string(numbers.size()) +
+                      " numbers; allowed: column and row of 2 corners of a rectangle, of 3 and "
+                      "more of a polygon, or nothing");
   }
   if (numbers.size() > 2 * kMaxCorners) {
     throw ConfigError("depth.region: " + std::to_string(numbers.size() / 2) +

@@ -311,8 +311,7 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
       .def_property_readonly(
           "confidence", [](const PyFrame& f) { return ToArray(f.frame.confidence); },
           "Optional[numpy.ndarray]: (H, W) uint8, 255 times the probability that the disparity is "
-          "within "
-          "1 px of the true one.")
+          "within 1 px of the true one.")
       .def_property_readonly(
           "sigma_px", [](const PyFrame& f) { return SigmaArray(f.frame.sigma); },
           "Optional[numpy.ndarray]: (H, W) float32, standard deviation of the disparity, px.")
@@ -334,10 +333,9 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
           "depth_m", &DepthArray,
           "Optional[numpy.ndarray]: (H, W) float32, z, m; NaN: none. Of disparity where rig is of "
           "its size, or of fused where compute() was told so (depth { input: FUSED }).")
-      .def_property_readonly(
-          "depth_sigma_m", &DepthSigmaArray,
-          "Optional[numpy.ndarray]: (H, W) float32, standard deviation of depth_m where it is of "
-          "disparity, m; NaN: none, inf: not known.")
+      .def_property_readonly("depth_sigma_m", &DepthSigmaArray,
+                             "Optional[numpy.ndarray]: (H, W) float32, standard deviation of "
+                             "depth_m where it is of disparity, m; NaN: none, inf: not known.")
       .def_property_readonly("intrinsics", &IntrinsicsOf,
                              "Optional[numpy.ndarray]: (3, 3) float64, of depth_m, px.")
       .def_property_readonly(

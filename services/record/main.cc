@@ -79,8 +79,7 @@ RecordingOptions OptionsOf(const Options& options) {
                       .delete_oldest = options.delete_oldest};
   if (options.delete_oldest && options.max_mb > options.quota_gb * 1000 / 2) {
     throw ConfigError(
-        fmt::format("--max-mb {}: allowed with --delete-oldest is up to half of "
-                    "--quota-gb, {} MB",
+        fmt::format("--max-mb {}: allowed with --delete-oldest is up to half of --quota-gb, {} MB",
                     options.max_mb, options.quota_gb * 1000 / 2));
   }
   if (options.ring_s) {
@@ -159,10 +158,9 @@ void AddFlags(Flags& flags, Options& options) {
       .SplitAtCommas()
       .Repeatable();
   flags.Add("--seconds SECONDS", options.seconds, "Stop after this many seconds").Within(0.1, 1e9);
-  flags.Add(
-      "--compress", options.compress,
-      "Images, maps, seeds and points in fewer bytes, without loss: about half. Every program "
-      "of Sprout reads the log; for others: sprout-log expand");
+  flags.Add("--compress", options.compress,
+            "Images, maps, seeds and points in fewer bytes, without loss: about half. Every "
+            "program of Sprout reads the log; for others: sprout-log expand");
   flags
       .Add("--jpeg QUALITY", options.jpeg_quality,
            "The same, with left and right images as JPEG of this quality: a tenth of their bytes, "

@@ -53,13 +53,11 @@ void FakeRig::Start(const std::string& serial, const std::vector<std::string>& f
     throw std::runtime_error("no network of its own: " + process->Output());
   }
   // Packets as long as real networks for cameras have them.
-  Do(
-      fmt::format("ip link add at_{0} mtu 9000 type veth peer name to_{0} mtu 9000 && "
-                  "ip link set to_{0} netns {1} && "
-                  "ip addr add 10.77.{2}.1/24 dev at_{0} && ip link set at_{0} up && "
-                  "nsenter -t {1} -n ip addr add 10.77.{2}.2/24 dev to_{0} && "
-                  "nsenter -t {1} -n ip link set to_{0} up",
-                  serial, pid, number));
+  Do(fmt::format(
+      "ip link add at_{0} mtu 9000 type veth peer name to_{0} mtu 9000 && ip link set to_{0} netns "
+      "{1} && ip addr add 10.77.{2}.1/24 dev at_{0} && ip link set at_{0} up && nsenter -t {1} -n "
+      "ip addr add 10.77.{2}.2/24 dev to_{0} && nsenter -t {1} -n ip link set to_{0} up",
+      serial, pid, number));
   if (!WaitFor([&] { return process->Output().find("running") != std::string::npos; })) {
     throw std::runtime_error("fake_camera does not start: " + process->Output());
   }

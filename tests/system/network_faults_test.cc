@@ -338,9 +338,8 @@ TEST_F(NetworkFaultsSystem, TakesAllOfThatAtOnce) {
 TEST(NetworkDeviceSystem, IsHeardAgainWhenItWasReplaced) {
   const auto run = [](const std::string& command) { return std::system(command.c_str()) == 0; };
   const std::string plug =
-      "ip link add plug type veth peer name socket && ip link set socket up && "
-      "ip addr add 10.99.0.1/24 dev plug && ip link set plug up && "
-      "ip route add 239.99.0.1/32 dev plug";
+      "ip link add plug type veth peer name socket && ip link set socket up && ip addr add "
+      "10.99.0.1/24 dev plug && ip link set plug up && ip route add 239.99.0.1/32 dev plug";
   if (!run(plug)) GTEST_SKIP() << "this kernel has no veth devices";
   const std::string url = "udpm://239.99.0.1:7667?ttl=0";
   std::atomic<int> heard = 0;

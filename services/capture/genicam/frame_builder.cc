@@ -160,8 +160,7 @@ std::optional<scenes::CapturedFrame> FrameBuilder::Next(int64_t now_utime) {
   if (frame.lost > 0 && frame.trouble.empty()) {
     frame.trouble = fmt::format(
         "images without a partner within max_spread_ms = {}: {} of the left camera, {} of the "
-        "right "
-        "one",
+        "right one",
         rig_.max_spread_ms(), LostSince(RigPlace::kLeft), LostSince(RigPlace::kRight));
   }
   if (frame.trouble.empty()) {

@@ -233,8 +233,7 @@ class LiveInput : public RosInput {
       // DDS compares policies of other types, too.
       if (topic.qos == before && there.of_type > 0) {
         reports_.tell(
-            fmt::format("a publisher of {} cannot be heard: it offers less {} than is "
-                        "needed",
+            fmt::format("a publisher of {} cannot be heard: it offers less {} than is needed",
                         topic.name, policy));
       }
     }

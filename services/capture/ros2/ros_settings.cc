@@ -21,11 +21,9 @@ constexpr std::string_view kCompressedDepth = "/compressedDepth";
 ConfigError BadSource(const std::string& source, const std::string& reason) {
   return ConfigError(
       "capture.source = " + source + ": " + reason +
-      "; allowed: left=TOPIC&right=TOPIC with left_info, right_info, points, depth, "
-      "depth_info, tf=TOPIC, pose=x,y,z,qx,qy,qz,qw (m) of the range sensor in the "
-      "left image's frame, rig=FILE, max_spread_ms=0.001 to 1000, bits=8 to 16, and for "
-      "ros2: "
-      "domain=0 to 232");
+      "; allowed: left=TOPIC&right=TOPIC with left_info, right_info, points, depth, depth_info, "
+      "tf=TOPIC, pose=x,y,z,qx,qy,qz,qw (m) of the range sensor in the left image's frame, "
+      "rig=FILE, max_spread_ms=0.001 to 1000, bits=8 to 16, and for ros2: domain=0 to 232");
 }
 
 // "/stereo/left/image_raw/compressed" → "/stereo/left/camera_info"

@@ -36,8 +36,7 @@ PairReader::PairReader(const RigOptions& options, const PixelOptions& pixels)
   } else if ((!options.focal_px || !options.baseline_m)) {
     throw ConfigError(
         "no calibration; allowed: --rig FILE, or of a rectified pair --calib FILE, or --focal-px "
-        "and "
-        "--baseline-m");
+        "and --baseline-m");
   }
   if (!options.tof_rig_file.empty()) {
     const RigDescription rig = LoadRigFile(options.tof_rig_file);

@@ -152,8 +152,7 @@ std::string SubmitSlurm(const std::string& program, const BatchFolder& folder,
   const fs::path finish = slurm / fmt::format("finish{}.sh", round);
   WriteText(
       finish,
-      fmt::format("{} finish {} --round {} --retries {} --memory={} --time={} "
-                  "--array-size={}{}\n",
+      fmt::format("{} finish {} --round {} --retries {} --memory={} --time={} --array-size={}{}\n",
                   run, root, round, options.retries, ShellWord(options.memory),
                   ShellWord(options.time), options.array_size,
                   options.partition.empty() ? "" : " --partition=" + ShellWord(options.partition)));

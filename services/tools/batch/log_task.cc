@@ -180,8 +180,7 @@ class LogTask {
   void RequireUnchanged() const {
     if (StampOf(log_.path()) == FileStamp{log_.bytes(), log_.mtime_ns()}) return;
     throw LogError(log_.path(),
-                   "has changed since the batch was planned; run sprout-batch run "
-                   "again");
+                   "has changed since the batch was planned; run sprout-batch run again");
   }
 
   // @param logs  the input of the batch, and what the stages before answered.

@@ -80,8 +80,7 @@ void AddBits(Flags& flags, int& bits) {
   flags
       .Add("--bits N", bits,
            "Bits that pixels of 16 bits in a folder use: 8 to 16; 0: as the format or the first "
-           "pair "
-           "says")
+           "pair says")
       .WithinWhole(0, kMaxBits);
 }
 
@@ -330,8 +329,7 @@ void AddImport(Flags& program, Options& options) {
       "import",
       "Makes a rig file of a pair's calibration by another program: OpenCV's stereoCalibrate (YAML "
       "or XML, in one file\nor intrinsics and extrinsics apart), ROS's camera_calibration "
-      "(left.yaml "
-      "right.yaml), Kalibr (camchain)",
+      "(left.yaml right.yaml), Kalibr (camchain)",
       [&options] { return RunImport(options.import); });
   flags.Add("FILE", options.import.files, "The calibration; of ROS that of the left camera first")
       .Required()

@@ -213,8 +213,7 @@ class Verdict {
     }
     if (quality_.tof_landing_px > kMaxTofLandingPx) {
       Add("the position of ToF points in the left image is known to {:.2f} px only ({} are "
-          "allowed): "
-          "show the board to the ToF camera in more views, also near",
+          "allowed): show the board to the ToF camera in more views, also near",
           quality_.tof_landing_px, kMaxTofLandingPx);
     }
     if (quality_.range_rms_m > kMaxRangeRmsM) {

@@ -114,9 +114,8 @@ std::string RefinementLine(const RefinementQuality& quality) {
                        seeds.seeds.size(), PercentText(quality.wrong_after_percent()));
   }
   return fmt::format(
-      "refinement: {} ToF points, dropped {} outside, {} dark, {} loose, {} background, {} "
-      "hidden, {} contradicted; {} kept, {} from stereo; wrong {} before, {} after; good ones lost "
-      "{}\n",
+      "refinement: {} ToF points, dropped {} outside, {} dark, {} loose, {} background, {} hidden, "
+      "{} contradicted; {} kept, {} from stereo; wrong {} before, {} after; good ones lost {}\n",
       seeds.raw, seeds.outside, seeds.dark, seeds.loose, seeds.background, seeds.hidden,
       seeds.contradicted, kept, std::ssize(seeds.seeds) - kept,
       PercentText(quality.wrong_before_percent()), PercentText(quality.wrong_after_percent()),
@@ -342,8 +341,7 @@ std::string ToJson(const RunResult& run) {
 std::string ToCsv(const RunResult& run) {
   std::string text =
       "preset,tof,scene,width,height,method,pixels,correct_le1,correct_lt1,bad05,bad2,bad4,d1,"
-      "density,"
-      "invalid,mean_abs_px,rms_px,refine_ms,prior_ms,grow_ms,fill_ms,total_ms\n";
+      "density,invalid,mean_abs_px,rms_px,refine_ms,prior_ms,grow_ms,fill_ms,total_ms\n";
   for (const SceneResult& scene : run.scenes) {
     for (const MethodResult& method : scene.methods) {
       text += CsvLine(run, scene, method, "nonocc", method.nonoccluded);

@@ -158,10 +158,9 @@ VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settin
     result.frames = static_cast<int>(std::min<int64_t>(result.frames, *dataset->frame_count()));
   }
   if (result.frames <= VideoScore::kFirstScored) {
-    throw ConfigError(
-        fmt::format("{}: {} frames (--frames): allowed are {} and more, since the first {} "
-                    "are not scored",
-                    source, result.frames, VideoScore::kFirstScored + 1, VideoScore::kFirstScored));
+    throw ConfigError(fmt::format(
+        "{}: {} frames (--frames): allowed are {} and more, since the first {} are not scored",
+        source, result.frames, VideoScore::kFirstScored + 1, VideoScore::kFirstScored));
   }
   const std::vector<Pose> motions = TrueMotions(source, result.frames);
   result.motion_known = !motions.empty();
@@ -232,9 +231,7 @@ VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settin
 std::string VideoTable(const std::vector<VideoResult>& results) {
   std::string text =
       "| source | map | bad 1, % | bad 3, % | mean error, px | change error, px | along the "
-      "motion, px "
-      "| trail, bad 3 | "
-      "covered, bad 3 | flicker, median | flicker, p95 "
+      "motion, px | trail, bad 3 | covered, bad 3 | flicker, median | flicker, p95 "
       "|\n|---|---|---|---|---|---|---|---|---|---|---|\n";
   const auto rows = [&](const std::string& name, const VideoFigures& single,
                         const VideoFigures& average, const VideoFigures& fused) {
@@ -249,9 +246,8 @@ std::string VideoTable(const std::vector<VideoResult>& results) {
          MeanFigures(results, &VideoResult::average), MeanFigures(results, &VideoResult::fused));
   }
   text +=
-      "\n| source | frames | motion known | way, m | error, % of the way | largest, mm | "
-      "turn error, degrees a frame | resets | filter, ms "
-      "|\n|---|---|---|---|---|---|---|---|---|\n";
+      "\n| source | frames | motion known | way, m | error, % of the way | largest, mm | turn "
+      "error, degrees a frame | resets | filter, ms |\n|---|---|---|---|---|---|---|---|---|\n";
   for (const VideoResult& result : results) {
     const MotionScore& motion = result.motion;
     const double degrees = motion.turn_error * 180 / CV_PI / std::max(1, motion.frames);

@@ -344,12 +344,11 @@ void AddRepair(Flags& program) {
 
 void AddCompress(Flags& program) {
   const auto options = std::make_shared<CompressOptions>();
-  Flags& flags = program.AddCommand(
-      "compress",
-      "Writes a log in fewer bytes: images lose nothing and take half, more or less. Every "
-      "program\nof Sprout reads it as the original; `sprout-log expand` gives that back to the "
-      "byte",
-      [options] { return RunCompress(*options); });
+  Flags& flags = program.AddCommand("compress",
+                                    "Writes a log in fewer bytes: images lose nothing and take "
+                                    "half, more or less. Every program\nof Sprout reads it as the "
+                                    "original; `sprout-log expand` gives that back to the byte",
+                                    [options] { return RunCompress(*options); });
   AddPaths(flags, *options);
   flags
       .Add("--jpeg QUALITY", options->jpeg_quality,

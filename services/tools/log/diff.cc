@@ -216,8 +216,7 @@ std::string LogDiff::Report() const {
     const DisparityDiff& sum = channel.disparity;
     remarks += fmt::format(
         "{}: in the {} maps that differ, {:.3f} % of the pixels do: {} changed (mean {:.3f} px, "
-        "max "
-        "{:.3f} px), {} newly valid, {} newly invalid\n",
+        "max {:.3f} px), {} newly valid, {} newly invalid\n",
         name, channel.maps,
         100 * static_cast<double>(sum.differing) / static_cast<double>(sum.pixels), sum.changed,
         sum.mean_px(), sum.max_px, sum.newly_valid, sum.newly_invalid);

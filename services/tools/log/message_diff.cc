@@ -78,8 +78,7 @@ MessageDiff CompareValue(const SeedSet& a, const SeedSet& b) {
 std::string Text(const DisparityDiff& diff) {
   return fmt::format(
       "{} of {} pixels differ: {} changed (mean {:.3f} px, max {:.3f} px), {} newly valid, {} "
-      "newly "
-      "invalid; first at ({}, {})",
+      "newly invalid; first at ({}, {})",
       diff.differing, diff.pixels, diff.changed, diff.mean_px(), diff.max_px, diff.newly_valid,
       diff.newly_invalid, diff.first.x, diff.first.y);
 }

@@ -39,8 +39,7 @@ void WarnOfDamage(const std::filesystem::path& path, const std::vector<LogDamage
   int64_t bytes = 0;
   for (const LogDamage& stretch : damage) bytes += stretch.bytes;
   std::cerr << fmt::format(
-      "sprout-log: {} is damaged in {} place{}, {} bytes were skipped; see "
-      "sprout-log info\n",
+      "sprout-log: {} is damaged in {} place{}, {} bytes were skipped; see sprout-log info\n",
       path.string(), damage.size(), damage.size() == 1 ? "" : "s", bytes);
 }
 

@@ -242,8 +242,7 @@ void AddOutputFlags(Flags& flags, Options& options) {
   flags.Add("--images DIR", options.images,
             "Write region.png, residuals.png and noise.png; of a running graph once a second");
   flags.Add("--once", options.live.once,
-            "Of a running graph: ends when --count maps are measured, or when none came for 30 "
-            "s");
+            "Of a running graph: ends when --count maps are measured, or when none came for 30 s");
   flags
       .Add("--lcm-url URL", options.live.lcm_url,
            "Where the messages travel: udpm://GROUP:PORT?ttl=0 or tcpq://HOST:PORT")

@@ -50,10 +50,9 @@ TEST(ChangeText, SaysWhyNothingIsSeen) {
 }
 
 TEST(ChangeText, AdvisesACommandUnlessCaptureDoesIt) {
-  EXPECT_THAT(
-      AdviceText(/*applied=*/false),
-      testing::HasSubstr("sprout-record --dir recording --seconds 10; sprout-calibrate refine "
-                         "recording/*.lcm --out new.textproto"));
+  EXPECT_THAT(AdviceText(/*applied=*/false),
+              testing::HasSubstr("sprout-record --dir recording --seconds 10; sprout-calibrate "
+                                 "refine recording/*.lcm --out new.textproto"));
   EXPECT_EQ(AdviceText(/*applied=*/true), "capture is asked to put it right");
 }
 

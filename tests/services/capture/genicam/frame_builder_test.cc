@@ -92,10 +92,9 @@ TEST_F(Former, CountsACaptureOnceWhicheverOfItsImagesIsLost) {
   const std::optional<scenes::CapturedFrame> frame = Take(4);
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->lost, 3);
-  EXPECT_EQ(
-      frame->trouble,
-      "left camera (serial 1): image 7 has missing packets; right camera (serial 2): image 7 has "
-      "missing packets");
+  EXPECT_EQ(frame->trouble,
+            "left camera (serial 1): image 7 has missing packets; right camera (serial 2): image 7 "
+            "has missing packets");
   EXPECT_EQ(Take(5)->lost, 0);
 }
 
@@ -128,9 +127,8 @@ TEST_F(Former, SaysWhyThereIsNoFrame) {
   late.image.arrived_utime += 50'000;
   former_.Add(RigPlace::kRight, std::move(late));
   EXPECT_FALSE(former_.Next(kStartUtime + 60'000));
-  EXPECT_THAT(former_.NewTrouble(),
-              HasSubstr("left camera's 1 images and the right one's 1 are within max_spread_ms = "
-                        "5; trigger = SOFTWARE"));
+  EXPECT_THAT(former_.NewTrouble(), HasSubstr("left camera's 1 images and the right one's 1 are "
+                                              "within max_spread_ms = 5; trigger = SOFTWARE"));
 }
 
 TEST_F(Former, TellsWhenAClockJumps) {

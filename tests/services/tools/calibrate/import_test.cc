@@ -335,9 +335,8 @@ TEST(ImportLens, RefusesWhatNoModelOfOpencvHas) {
   }
   for (const size_t count : {1, 6, 9, 15}) {
     camera.distortion.assign(count, 1e-5);
-    EXPECT_EQ(LensRefusal(camera), fmt::format("cam0: {} distortion coefficients; allowed: 4, 5, "
-                                               "8, 12 or 14",
-                                               count));
+    EXPECT_EQ(LensRefusal(camera),
+              fmt::format("cam0: {} distortion coefficients; allowed: 4, 5, 8, 12 or 14", count));
   }
   camera.is_fisheye = true;
   for (const size_t count : {0, 5}) {

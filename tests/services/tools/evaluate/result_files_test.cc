@@ -102,16 +102,13 @@ TEST(ResultFiles, CsvHasALineForEachMethodAndKindOfPixels) {
   EXPECT_EQ(
       ToCsv(SomeRun()),
       "preset,tof,scene,width,height,method,pixels,correct_le1,correct_lt1,bad05,bad2,bad4,d1,"
-      "density,"
-      "invalid,mean_abs_px,rms_px,refine_ms,prior_ms,grow_ms,fill_ms,total_ms\n"
+      "density,invalid,mean_abs_px,rms_px,refine_ms,prior_ms,grow_ms,fill_ms,total_ms\n"
       "\"paper\",\"grid:auto\",\"Monopoly\",30,20,epc,nonocc,75,70,40,20,15,17.5,90,10,0.5,2,1,2,3,"
-      "4,"
-      "10\n"
+      "4,10\n"
       "\"paper\",\"grid:auto\",\"Monopoly\",30,20,epc,all,0,0,100,100,100,100,0,100,,,1,2,3,4,10\n"
       "\"paper\",\"grid:auto\",\"Monopoly\",30,20,epc,away,,,,,,,,,,,1,2,3,4,10\n"
       "\"paper\",\"grid:auto\",\"Monopoly\",30,20,fgs,nonocc,75,70,40,20,15,17.5,90,10,0.5,2,1,2,3,"
-      "4,"
-      "10\n"
+      "4,10\n"
       "\"paper\",\"grid:auto\",\"Monopoly\",30,20,fgs,all,0,0,100,100,100,100,0,100,,,1,2,3,4,10\n"
       "\"paper\",\"grid:auto\",\"Monopoly\",30,20,fgs,away,,,,,,,,,,,1,2,3,4,10\n");
 }
