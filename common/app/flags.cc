@@ -17,6 +17,7 @@
 #include "common/app/help_text.h"
 #include "common/config/config_error.h"
 #include "common/core/input_files.h"
+#include "common/core/joined.h"
 #include "common/core/number_text.h"
 #include "common/core/read_text.h"
 
@@ -162,14 +163,6 @@ std::string FirstUnexpected(const CLI::App& app) {
     if (std::string argument = FirstUnexpected(*command); !argument.empty()) return argument;
   }
   return "";
-}
-
-std::string CommandsText(const CLI::App& app) {
-  std::string text;
-  for (const CLI::App* command : app.get_subcommands({})) {
-    text += (text.empty() ? "" : ", ") + command->get_name();
-  }
-  return text;
 }
 
 bool MayBeUnexpected(const CLI::ParseError& error) {
@@ -355,7 +348,9 @@ bool Flags::Parse(int argc, const char* const* argv) {
     const std::string unexpected = MayBeUnexpected(e) ? FirstUnexpected(*app_) : "";
     if (!unexpected.empty()) throw ConfigError(UnexpectedText(unexpected, *app_));
     if (app_->get_require_subcommand_min() > 0 && app_->get_subcommands().empty()) {
-      throw ConfigError("which command? " + CommandsText(*app_) + " (--help explains them)");
+      throw ConfigError("which command? " +
+                        Joined(", ", app_->get_subcommands({}), &CLI::App::get_name) +
+                        " (--help explains them)");
     }
     throw ConfigError(std::string(e.what()) + " (--help lists the flags)");
   }

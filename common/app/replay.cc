@@ -16,6 +16,7 @@
 #include "common/app/status_reporter.h"
 #include "common/bus/channels.h"
 #include "common/core/digest.h"
+#include "common/core/joined.h"
 #include "common/logfile/log_error.h"
 #include "common/logfile/log_writer.h"
 #include "common/messages/codec.h"
@@ -68,10 +69,6 @@ std::unique_ptr<LogWriter> OpenRecording(const std::string& record) {
 FrameRange WithWarmUp(FrameRange frames, int64_t warm_up) {
   frames.first = std::max<int64_t>(0, frames.first - warm_up);
   return frames;
-}
-
-std::string JoinText(const std::vector<std::string>& words) {
-  return fmt::format("{}", fmt::join(words, ", "));
 }
 
 class Replay {
@@ -218,14 +215,14 @@ class Replay {
   void RequireFrames() const {
     const StageStatus status = monitor_.Snapshot();
     if (status.frames_in > 0) return;
-    const std::string logs = JoinText(options_.logs);
+    const std::string logs = Joined(", ", options_.logs);
     std::vector<std::string> missing;
     for (const std::string_view channel : assembler_.channels()) {
       const std::string name = LoggedChannel(channel);
       if (!input_.channels().Has(name)) missing.push_back(name);
     }
     if (!missing.empty()) {
-      throw ConfigError(fmt::format("--replay {}: no {}; it has {}", logs, JoinText(missing),
+      throw ConfigError(fmt::format("--replay {}: no {}; it has {}", logs, Joined(", ", missing),
                                     input_.channels().Text()));
     }
     if (seen_ && (seen_->first > options_.frames.last || seen_->last < options_.frames.first)) {

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "common/core/input_files.h"
+#include "common/core/joined.h"
 #include "common/core/read_text.h"
 
 namespace sprout {
@@ -85,9 +86,7 @@ std::string PresetNames() {
     if (entry.path().extension() == ".textproto") names.push_back(entry.path().stem().string());
   }
   std::sort(names.begin(), names.end());
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  return list;
+  return Joined(", ", names);
 }
 
 void MergeFile(const std::string& file, SproutConfig& config) {

@@ -13,6 +13,7 @@
 #include "common/core/checks.h"
 #include "common/core/depth_of_counts.h"
 #include "common/core/image.h"
+#include "common/core/joined.h"
 #include "common/geometry/lens.h"
 
 namespace sprout {
@@ -60,10 +61,8 @@ Result<Encoding> FindEncoding(const RosImage& ros, std::span<const Encoding> kno
   const std::string_view name = RosText(ros.encoding);
   const auto found = std::ranges::find(known, name, &Encoding::name);
   if (found != known.end()) return *found;
-  std::string allowed;
-  for (const Encoding& one : known)
-    allowed += (allowed.empty() ? "" : ", ") + std::string(one.name);
-  return Fail("encoding = '" + std::string(name.substr(0, 64)) + "': allowed is " + allowed);
+  return Fail("encoding = '" + std::string(name.substr(0, 64)) + "': allowed is " +
+              Joined(", ", known, &Encoding::name));
 }
 
 // A view of its bytes, in this machine's byte order.
@@ -152,11 +151,10 @@ Result<Lens> LensOf(const RosCameraInfo& ros) {
   if (!checks.ok()) return checks.error();
   if (is_pinhole) return lens;
   const LensFit fit = FitBrown(lens, d, is_fisheye);
-  checks.Require(
-      fit.worst_px <= kWorstFitPx, "distortion_model", model.substr(0, 64),
-      fmt::format("plumb_bob, or a lens like one of its: this one is up to {:.2g} px from "
-                  "any, {} are allowed; or an image that is rectified",
-                  fit.worst_px, kWorstFitPx));
+  checks.Require(fit.worst_px <= kWorstFitPx, "distortion_model", model.substr(0, 64),
+                 fmt::format("plumb_bob, or a lens like one of its: this one is up to {:.2g} px "
+                             "from any, {} are allowed; or an image that is rectified",
+                             fit.worst_px, kWorstFitPx));
   if (!checks.ok()) return checks.error();
   return fit.lens;
 }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/core/image.h"
+#include "common/core/joined.h"
 #include "common/core/read_text.h"
 #include "common/scenes/middlebury_calibration.h"
 #include "common/scenes/pfm.h"
@@ -39,11 +40,7 @@ std::optional<fs::path> FindImage(const fs::path& folder, const std::string& nam
 
 // "view1.png, view1.jpg, view1.ppm, view1.pgm"
 std::string Candidates(const std::string& name) {
-  std::string list;
-  for (const char* extension : kImageExtensions) {
-    list += (list.empty() ? "" : ", ") + name + extension;
-  }
-  return list;
+  return Joined(", ", kImageExtensions, [&](const char* extension) { return name + extension; });
 }
 
 fs::path RequireImage(const fs::path& folder, const std::string& name) {

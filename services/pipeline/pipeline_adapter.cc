@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/config/stage_parts.h"
+#include "common/core/joined.h"
 
 namespace sprout {
 namespace {
@@ -29,12 +30,6 @@ PartSet AllOutputs(const SproutConfig& config) {
   return outputs;
 }
 
-std::string InOneLine(const std::vector<std::string>& warnings) {
-  std::string line;
-  for (const std::string& warning : warnings) line += (line.empty() ? "" : "; ") + warning;
-  return line;
-}
-
 }  // namespace
 
 PipelineAdapter::PipelineAdapter(const SproutConfig& config, ChainObserver& steps)
@@ -55,7 +50,7 @@ StageResult PipelineAdapter::Process(const Frame& frame) {
     const ChainReport prior = chain_.Run(work, steps_, ChainStep::kPrior);
     warnings.insert(warnings.end(), prior.warnings.begin(), prior.warnings.end());
   }
-  StageResult outcome{.outputs = {}, .degenerate = InOneLine(warnings)};
+  StageResult outcome{.outputs = {}, .degenerate = Joined("; ", warnings)};
   for (const Part part : kAllParts) {
     if (outputs_.Has(part)) outcome.outputs.push_back({part, GetPart(work, part)});
   }

@@ -9,6 +9,7 @@
 #include <set>
 #include <sstream>
 
+#include "common/core/joined.h"
 #include "common/core/printable.h"
 #include "common/core/read_text.h"
 #include "common/logfile/log_error.h"
@@ -174,12 +175,6 @@ std::string InWords(const std::string& column, double value) {
   return fmt::format("score {:.3f}", value);
 }
 
-std::string CommandLine(const std::vector<std::string>& words) {
-  std::string line;
-  for (const std::string& word : words) line += (line.empty() ? "" : " ") + ShellWord(word);
-  return line + "\n";
-}
-
 }  // namespace
 
 void WriteReport(const BatchFolder& folder, const Manifest& manifest, const BatchState& state,
@@ -208,7 +203,7 @@ std::string FrameCommands(const BatchFolder& folder, const Manifest& manifest, c
   const auto line = [&](std::vector<std::string> words) {
     const std::string& prefix = manifest.channel_prefix();
     if (!prefix.empty()) words.push_back("--channel-prefix=" + prefix);  // may begin with -
-    return CommandLine(words);
+    return Joined(" ", words, ShellWord) + "\n";
   };
   const std::string frame = std::to_string(seq);
   std::string text =

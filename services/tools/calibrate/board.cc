@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "common/config/config_error.h"
+#include "common/core/joined.h"
 
 namespace sprout::calibrate {
 namespace {
@@ -46,7 +47,8 @@ constexpr std::array kDictionaries = {
 aruco::Dictionary OpenDictionary(const std::string& name) {
   const std::optional<int> number = DictionaryOf(name);
   if (!number) {
-    throw ConfigError("--dictionary " + name + ": allowed is one of " + DictionaryNames());
+    throw ConfigError("--dictionary " + name + ": allowed is one of " +
+                      Joined(", ", kDictionaries, &DictionaryName::name));
   }
   return aruco::OpenDictionary(*number);
 }
@@ -56,8 +58,7 @@ void CheckMarkers(const BoardSize& size, int64_t needed, const std::string& dict
   const int there = OpenDictionary(dictionary).bytesList.rows;
   if (needed > there) {
     throw ConfigError(
-        fmt::format("--squares {}x{}: allowed is what needs no more than the {} "
-                    "markers of {}",
+        fmt::format("--squares {}x{}: allowed is what needs no more than the {} markers of {}",
                     size.columns, size.rows, there, dictionary));
   }
 }
@@ -170,14 +171,6 @@ std::optional<int> DictionaryOf(const std::string& name) {
     if (one.name == name) return one.number;
   }
   return std::nullopt;
-}
-
-std::string DictionaryNames() {
-  std::string names;
-  for (const DictionaryName& one : kDictionaries) {
-    names += (names.empty() ? "" : ", ") + std::string(one.name);
-  }
-  return names;
 }
 
 std::string BoardText(const BoardSize& size) {

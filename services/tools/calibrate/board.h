@@ -35,9 +35,6 @@ std::string BoardText(const BoardSize& size);
 /// OpenCV's number of a dictionary; nothing when it has none of that name.
 std::optional<int> DictionaryOf(const std::string& name);
 
-/// The dictionaries, by OpenCV's names, separated by commas.
-std::string DictionaryNames();
-
 /// A calibration board. The one that is printed here is a ChArUco board: markers of 4 × 4 bits
 /// (OpenCV's dictionary DICT_4X4_250) and a border of one bit, three quarters of a square wide, so
 /// that a square is 8 × 8 modules of one size.

@@ -8,6 +8,7 @@
 
 #include "common/bus/channels.h"
 #include "common/core/image.h"
+#include "common/core/joined.h"
 #include "common/core/quantile.h"
 #include "common/messages/codec.h"
 
@@ -253,9 +254,7 @@ void CaptureListener::CheckRigSilence(Clock::time_point now) {
 void CaptureListener::Finish(Clock::time_point now) { CheckRigSilence(now); }
 
 std::string CaptureListener::HeardChannels() const {
-  std::string text;
-  for (const std::string& channel : channels_) text += (text.empty() ? "" : ", ") + channel;
-  return text.empty() ? "nothing" : text;
+  return channels_.empty() ? "nothing" : Joined(", ", channels_);
 }
 
 std::string CaptureListener::Figures() const {

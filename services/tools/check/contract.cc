@@ -44,10 +44,9 @@ void CheckSeeds(const SeedSet& set, cv::Size size, const std::string& what, Find
     const Seed& seed = set.seeds[i];
     const bool inside = InImage(seed.u, seed.v, size) && InImage(seed.u_right, seed.v, size);
     if (!inside || seed.disparity() < 0) {
-      found.Add(Rule::kValues,
-                fmt::format("{}: seed {} is (u {}, v {}, u_right {}); allowed are places in both "
-                            "images ({}) with u >= u_right",
-                            what, i, seed.u, seed.v, seed.u_right, SizeText(size)));
+      found.Add(Rule::kValues, fmt::format("{}: seed {} is (u {}, v {}, u_right {}); allowed are "
+                                           "places in both images ({}) with u >= u_right",
+                                           what, i, seed.u, seed.v, seed.u_right, SizeText(size)));
       return;
     }
   }
@@ -110,8 +109,7 @@ std::string CompareMaps(std::span<const PartValue> answers, std::span<const Part
   }
   if (pixels == 0 || compared == 0) return "nothing to compare with the recorded answers";
   return fmt::format(
-      "{:.1f} % of the pixels have a disparity; {:.3f} px from the recorded ones in "
-      "the mean",
+      "{:.1f} % of the pixels have a disparity; {:.3f} px from the recorded ones in the mean",
       100.0 * static_cast<double>(valid) / static_cast<double>(pixels),
       sum / static_cast<double>(compared));
 }
@@ -146,41 +144,30 @@ void Findings::Print(std::span<const Rule> rules, std::ostream& out) const {
 }
 
 StageContract ContractOf(const std::string& stage) {
-  if (stage == "refine") {
-    return {.stage = stage,
-            .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof},
-            .answer = Part::kSeeds,
-            .may_publish = {Part::kLeftSeeds}};
-  }
-  if (stage == "prior") {
-    return {.stage = stage,
-            .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof, Part::kSeeds,
-                       Part::kLeftSeeds},
-            .answer = Part::kPrior,
-            .may_publish = {}};
-  }
+  // In the graph's order; a stage takes everything upstream of it.
+  constexpr Part kGraph[] = {Part::kRig,   Part::kLeft,      Part::kRight,
+                             Part::kTof,   Part::kSeeds,     Part::kLeftSeeds,
+                             Part::kPrior, Part::kDisparity, Part::kConfidence};
+  const auto contract = [&](size_t inputs, Part answer, PartSet may_publish) {
+    return StageContract{.stage = stage,
+                         .inputs = {kGraph, kGraph + inputs},
+                         .answer = answer,
+                         .may_publish = may_publish,
+                         .has_memory = answer == Part::kFused};
+  };
+  if (stage == "refine") return contract(4, Part::kSeeds, {Part::kLeftSeeds});
+  if (stage == "prior") return contract(6, Part::kPrior, {});
   if (stage == "grow") {
-    return {.stage = stage,
-            .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof, Part::kSeeds,
-                       Part::kLeftSeeds, Part::kPrior},
-            .answer = Part::kDisparity,
-            .may_publish = {Part::kUnfilled, Part::kConfidence, Part::kSigma}};
+    return contract(7, Part::kDisparity, {Part::kUnfilled, Part::kConfidence, Part::kSigma});
   }
   if (stage == "temporal") {
-    return {.stage = stage,
-            .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof, Part::kSeeds,
-                       Part::kLeftSeeds, Part::kPrior, Part::kDisparity, Part::kConfidence},
-            .answer = Part::kFused,
-            .may_publish = {Part::kFusedConfidence, Part::kMotion},
-            .has_memory = true};
+    return contract(9, Part::kFused, {Part::kFusedConfidence, Part::kMotion});
   }
   if (stage == "pipeline") {
-    return {.stage = stage,
-            .inputs = {Part::kRig, Part::kLeft, Part::kRight, Part::kTof},
-            .answer = Part::kDisparity,
-            .may_publish = {Part::kSeeds, Part::kLeftSeeds, Part::kPrior, Part::kUnfilled,
-                            Part::kConfidence, Part::kSigma, Part::kFused, Part::kFusedConfidence,
-                            Part::kMotion}};
+    return contract(
+        4, Part::kDisparity,
+        {Part::kSeeds, Part::kLeftSeeds, Part::kPrior, Part::kUnfilled, Part::kConfidence,
+         Part::kSigma, Part::kFused, Part::kFusedConfidence, Part::kMotion});
   }
   throw ConfigError("STAGE '" + stage +
                     "': allowed are capture, refine, prior, grow, temporal and pipeline");

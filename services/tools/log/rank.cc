@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/config/config_error.h"
+#include "common/core/joined.h"
 #include "common/logfile/log_error.h"
 #include "common/measure/frame_quality.h"
 #include "common/picture/frame_pictures.h"
@@ -42,11 +43,8 @@ struct Row {
 
 const QualityColumn& ColumnToRankBy(const std::string& name) {
   if (const QualityColumn* const column = FindQualityColumn(name)) return *column;
-  std::string names;
-  for (const QualityColumn& column : QualityColumns()) {
-    names += (names.empty() ? "" : ", ") + std::string(column.name);
-  }
-  throw ConfigError("--by " + name + ": allowed: " + names);
+  throw ConfigError("--by " + name +
+                    ": allowed: " + Joined(", ", QualityColumns(), &QualityColumn::name));
 }
 
 class Ranking {
@@ -87,10 +85,9 @@ void Ranking::Read() {
   }
   Sort();
   if (ranked_ == 0) {
-    throw LogError(options_.file,
-                   fmt::format("no frame with a {}: allowed is a log with the answers of the "
-                               "stages, such as SPROUT_DISPARITY{}",
-                               by_.name, complaint.empty() ? "" : "; " + complaint));
+    throw LogError(options_.file, fmt::format("no frame with a {}: allowed is a log with the "
+                                              "answers of the stages, such as SPROUT_DISPARITY{}",
+                                              by_.name, complaint.empty() ? "" : "; " + complaint));
   }
   if (!complaint.empty()) std::cerr << "sprout-log: " << complaint << "\n";
   if (without_images_ == 0) return;
@@ -197,12 +194,11 @@ int RunRank(const RankOptions& options) {
 
 void AddRank(Flags& program) {
   const auto options = std::make_shared<RankOptions>();
-  Flags& flags =
-      program.AddCommand("rank",
-                         "Lists the frames of a log, the worst first, by figures that need no "
-                         "ground truth. The log must\nhave the images and the answers: "
-                         "`sprout-log merge` combines a recording and a replay",
-                         [options] { return RunRank(*options); });
+  Flags& flags = program.AddCommand(
+      "rank",
+      "Lists the frames of a log, the worst first, by figures that need no ground truth. The log "
+      "must\nhave the images and the answers: `sprout-log merge` combines a recording and a replay",
+      [options] { return RunRank(*options); });
   flags.Add("LOG", options->file, "Log").Required();
   flags
       .Add("--top N", options->top,

@@ -11,25 +11,19 @@
 #include "common/config/config.h"
 #include "common/config/config_error.h"
 #include "common/core/image.h"
+#include "common/core/joined.h"
 #include "common/measure/edge_width.h"
 #include "common/measure/target_limits.pb.h"
 
 namespace sprout::quality {
 namespace {
 
-std::string FigureNames() {
-  std::string names;
-  for (const TargetFigure& figure : TargetFigures()) {
-    names += (names.empty() ? "" : ", ") + std::string(figure.name);
-  }
-  return names;
-}
-
 Limit LimitOf(const TargetLimit& message, const std::string& where) {
   Limit limit{.figure = FindTargetFigure(message.figure()), .at_least = {}, .at_most = {}};
   if (limit.figure == nullptr) {
     throw ConfigError(fmt::format("{}: no figure is called '{}'; allowed: {}", where,
-                                  message.figure(), FigureNames()));
+                                  message.figure(),
+                                  Joined(", ", TargetFigures(), &TargetFigure::name)));
   }
   if (message.has_at_least()) limit.at_least = message.at_least();
   if (message.has_at_most()) limit.at_most = message.at_most();
@@ -39,8 +33,7 @@ Limit LimitOf(const TargetLimit& message, const std::string& where) {
   const bool ordered = !limit.at_least || !limit.at_most || *limit.at_least <= *limit.at_most;
   if (some && finite && ordered) return limit;
   throw ConfigError(
-      fmt::format("{}: {}: allowed is at_least, at_most or both, finite numbers in "
-                  "this order",
+      fmt::format("{}: {}: allowed is at_least, at_most or both, finite numbers in this order",
                   where, limit.figure->name));
 }
 

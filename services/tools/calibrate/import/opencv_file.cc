@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "common/config/config_error.h"
+#include "common/core/joined.h"
 #include "services/tools/calibrate/import/foreign_rig.h"
 
 namespace sprout::calibrate {
@@ -46,12 +47,6 @@ std::string Plain(std::string_view name) {
     if (std::isalnum(byte) != 0) plain += static_cast<char>(std::tolower(byte));
   }
   return plain;
-}
-
-std::string TextOf(const Names& names) {
-  std::string text;
-  for (const std::string_view name : names) text += (text.empty() ? "" : ", ") + std::string(name);
-  return text;
 }
 
 // How deep lists, maps (YAML, JSON) and elements (XML) of a text lie in each other, at most. OpenCV
@@ -158,7 +153,7 @@ class Entries {
   }
 
   ConfigError Missing(const Names& names) const {
-    return ConfigError(where_ + ": no entry with one of the names " + TextOf(names) +
+    return ConfigError(where_ + ": no entry with one of the names " + Joined(", ", names) +
                        " (capitals, dots and underscores do not matter); there are:" + names_);
   }
 
