@@ -4,6 +4,7 @@
 #include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <string>
 
 #include "common/config/config.h"
 #include "common/scenes/frame_source.h"
@@ -56,6 +57,8 @@ class Dataset {
 /// off by, such as &range=MM, see RangeErrorsConfig.
 /// @throws ConfigError naming what is missing or wrong, and where.
 std::unique_ptr<Dataset> OpenDataset(const CaptureConfig& config);
+/// Opens a source with the default settings.
+std::unique_ptr<Dataset> OpenDataset(const std::string& source);
 
 /// The frames of a data set one after the other, as from a camera; without times.
 /// @param loop  start again at the end.

@@ -100,4 +100,10 @@ std::unique_ptr<Dataset> OpenDataset(const CaptureConfig& original) {
                   allowed);
 }
 
+std::unique_ptr<Dataset> OpenDataset(const std::string& source) {
+  CaptureConfig config;
+  config.set_source(source);
+  return OpenDataset(config);
+}
+
 }  // namespace sprout::scenes

@@ -13,6 +13,7 @@
 #include "common/app/output_paths.h"
 #include "common/app/program.h"
 #include "common/app/progress.h"
+#include "common/core/joined.h"
 #include "common/inputs/check_inputs.h"
 #include "services/tools/evaluate/confidence_diagram.h"
 #include "services/tools/evaluate/rig_error.h"
@@ -50,8 +51,7 @@ struct Options {
 
 constexpr char kDescription[] =
     "Measures accuracy: of methods on scenes with ground truth, of a log's answers, of a video. "
-    "The "
-    "same\nflags give the same figures, except times.";
+    "The same\nflags give the same figures, except times.";
 
 constexpr char kDefinitions[] = R"(
 Definitions (as in the Middlebury SDK)
@@ -88,8 +88,7 @@ std::string MethodsHelp() {
 
 void AddConfigFlags(Flags& flags, Options& options) {
   flags.Add("--preset NAME", options.preset,
-            "Preset with the methods' parameters (default unless --config "
-            "is given)");
+            "Preset with the methods' parameters (default unless --config is given)");
   flags
       .Add("--config FILE", options.config_files,
            "Configuration file; may be given several times, later ones override earlier ones "
@@ -114,34 +113,28 @@ void AddSceneFlags(Flags& flags, Options& options) {
       .Add("SCENE", options.scenes,
            "Folders of Middlebury scenes with ground truth; synthetic:WxH, a simulated scene; "
            "kitti:DIR/ID or kitti:DIR, one frame or all in KITTI's layout, with ?beams=N to keep "
-           "32, "
-           "16, "
-           "8 or 4 of the scan's 64 beams")
+           "32, 16, 8 or 4 of the scan's 64 beams")
       .Required();
   flags.Add("--methods LIST", options.methods, "Methods or groups of them, listed below")
       .SplitAtCommas()
       .Repeatable()
       .ShowDefault("all");
   flags
-      .Add(
-          "--tof", options.tof,
-          "ToF camera: grid:auto (every round(rows / 111)th pixel of the truth: 10 at full "
-          "size, as in the paper), grid:auto*K (K times that), grid:N (every Nth), sr4000 (a "
-          "camera at its own position with the errors of a real one; ?blind=P: without the P % of "
-          "its returns with the lowest amplitude; ?wrapped=P: P % are beyond the unambiguous "
-          "range; ?calibration=PX: its pose is off; ?every=K: only every Kth pixel of its rows and "
-          "columns; either of them with ?range=MM, ?wiggle=MM, ?period=M, ?bumps=PX, ?unit=F, "
-          "?mirrored: what its ranges are off by; '&' between several), zones:CxR (a multi-zone "
-          "sensor such as zones:8x8; "
-          "?mode=nearest, &targets=N), or none; for kitti: "
-          "scan (the one recorded), or none")
+      .Add("--tof", options.tof,
+           "ToF camera: grid:auto (every round(rows / 111)th pixel of the truth: 10 at full size, "
+           "as in the paper), grid:auto*K (K times that), grid:N (every Nth), sr4000 (a camera at "
+           "its own position with the errors of a real one; ?blind=P: without the P % of its "
+           "returns with the lowest amplitude; ?wrapped=P: P % are beyond the unambiguous range; "
+           "?calibration=PX: its pose is off; ?every=K: only every Kth pixel of its rows and "
+           "columns; either of them with ?range=MM, ?wiggle=MM, ?period=M, ?bumps=PX, ?unit=F, "
+           "?mirrored: what its ranges are off by; '&' between several), zones:CxR (a multi-zone "
+           "sensor such as zones:8x8; ?mode=nearest, &targets=N), or none; for kitti: scan (the "
+           "one recorded), or none")
       .ShowDefault("grid:auto, kitti: scan");
-  flags.Add(
-      "--rig-error", options.rig_error,
-      "A right camera that was knocked since the calibration: rows=N (px lower), roll=N, yaw=N "
-      "(degrees); ?refined behind it: rectified again with what sprout-calibrate refine finds in "
-      "the "
-      "frame; ?known: with the error itself");
+  flags.Add("--rig-error", options.rig_error,
+            "A right camera that was knocked since the calibration: rows=N (px lower), roll=N, "
+            "yaw=N (degrees); ?refined behind it: rectified again with what sprout-calibrate "
+            "refine finds in the frame; ?known: with the error itself");
   flags
       .Add("--seed-noise-px", options.noise.disparity_px,
            "Gaussian noise on the disparity of the refined seeds, standard deviation, px")
@@ -221,9 +214,8 @@ Preset PresetOf(const Options& options) {
     preset.files.push_back("default");
   }
   preset.files.insert(preset.files.end(), options.config_files.begin(), options.config_files.end());
-  for (const std::string& file : preset.files) {
-    preset.name += (preset.name.empty() ? "" : "+") + fs::path(file).stem().string();
-  }
+  preset.name =
+      Joined("+", preset.files, [](const fs::path& file) { return file.stem().string(); });
   return preset;
 }
 
@@ -339,11 +331,7 @@ int RunVideo(const Options& options) {
 int RunLog(const Options& options, const ReadLog& read_log) {
   RequireWritable(options);
   std::unique_ptr<scenes::Dataset> truth;
-  if (!options.truth.empty()) {
-    CaptureConfig capture = LoadConfig({}).capture();
-    capture.set_source(options.truth);
-    truth = scenes::OpenDataset(capture);
-  }
+  if (!options.truth.empty()) truth = scenes::OpenDataset(options.truth);
   LogEvaluation evaluation(std::move(truth));
   read_log(options.log, [&](const Frame& frame) { evaluation.Add(frame); });
   if (evaluation.answered() == 0) {
@@ -371,10 +359,9 @@ int EvaluateMain(int argc, const char* const* argv, const ReadLog& read_log) {
   AddLogFlags(flags.AddCommand("log", "Evaluates the recorded answers of a log",
                                [&] { return RunLog(options, read_log); }),
               options);
-  AddVideoFlags(flags.AddCommand("video",
-                                 "Frame after frame: what sprout-temporal gains, and a running "
-                                 "average",
-                                 [&] { return RunVideo(options); }),
+  AddVideoFlags(flags.AddCommand(
+                    "video", "Frame after frame: what sprout-temporal gains, and a running average",
+                    [&] { return RunVideo(options); }),
                 options);
   flags.SetFooter(kDefinitions);
   return RunProgram(flags, argc, argv,

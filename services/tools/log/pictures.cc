@@ -76,10 +76,7 @@ FrameTruth TruthOf(const scenes::GroundTruth& truth, const std::string& source) 
 }
 
 LogTruth::LogTruth(const std::string& source) : source_(source) {
-  if (source.empty()) return;
-  CaptureConfig config = LoadConfig({}).capture();
-  config.set_source(source);
-  dataset_ = scenes::OpenDataset(config);
+  if (!source.empty()) dataset_ = scenes::OpenDataset(source);
 }
 
 LogTruth::~LogTruth() = default;

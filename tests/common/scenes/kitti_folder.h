@@ -19,6 +19,7 @@ class KittiFolder {
   using Point = std::array<float, 4>;
 
   KittiFolder();
+  explicit KittiFolder(const std::string& stereo_id) : KittiFolder() { WriteStereo(stereo_id); }
 
   /// A whole frame of the stereo set: truth of 5 px everywhere but at (0, 0), where it is unknown;
   /// a scan of three points, of which the left camera sees (10, 0, 0) and (20, 1, −2).

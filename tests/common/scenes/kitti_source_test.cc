@@ -14,8 +14,7 @@ using testing::HasSubstr;
 int ScanReturns(const TofImage& tof) { return cv::countNonZero(tof.depth_m == tof.depth_m); }
 
 TEST(KittiDataset, GivesImagesCalibrationAndTruthOfAFrame) {
-  const KittiFolder folder;
-  folder.WriteStereo("000007");
+  const KittiFolder folder("000007");
   const auto source = folder.Open("/000007");
   EXPECT_EQ(source->frame_count(), 1);
   const RectifiedPair& pair = source->rig().pair;
@@ -34,8 +33,7 @@ TEST(KittiDataset, GivesImagesCalibrationAndTruthOfAFrame) {
 }
 
 TEST(KittiDataset, MakesTheScanARangeImageOfTheLeftCamera) {
-  const KittiFolder folder;
-  folder.WriteStereo("000007");
+  const KittiFolder folder("000007");
   const auto source = folder.Open("/000007");
   const TofCamera& camera = source->rig().tof;
   EXPECT_EQ(cv::Size(camera.width, camera.height), cv::Size(40, 30));
@@ -53,15 +51,13 @@ TEST(KittiDataset, MakesTheScanARangeImageOfTheLeftCamera) {
 }
 
 TEST(KittiDataset, KeepsTheNearestPointOfAPixel) {
-  const KittiFolder folder;
-  folder.WriteStereo("000007");
+  const KittiFolder folder("000007");
   folder.WriteScan("000007", {{12, 0, 0, 0}, {10, 0, 0, 0}, {11, 0, 0, 0}});
   EXPECT_EQ(folder.Open("/000007")->Get(0).tof.depth_m(15, 20), 10);
 }
 
 TEST(KittiDataset, PlacesTheScannerAsTheCalibrationSays) {
-  const KittiFolder folder;
-  folder.WriteStereo("000007");
+  const KittiFolder folder("000007");
   // 2 m before the left camera, which stands 0.1 m to the left of, and 0.01 m behind, camera 0.
   folder.WriteCalibration("000007", "Tr_velo_to_cam", "0 -1 0 0 0 0 -1 0 1 0 0 1.99");
   const std::string calib =
@@ -97,8 +93,7 @@ TEST(KittiDataset, KeepsEveryFourthOf64Beams) {
 }
 
 TEST(KittiDataset, LeavesTheScanOutOnDemand) {
-  const KittiFolder folder;
-  folder.WriteStereo("000007");
+  const KittiFolder folder("000007");
   folder.files().Remove("velodyne/000007.bin");
   const auto source = folder.Open("/000007?tof=none");
   EXPECT_EQ(source->rig().tof.width, 0);
@@ -107,8 +102,7 @@ TEST(KittiDataset, LeavesTheScanOutOnDemand) {
 }
 
 TEST(KittiDataset, TakesWhatBothCamerasSeeFromItsOwnTruth) {
-  const KittiFolder folder;
-  folder.WriteStereo("000007");
+  const KittiFolder folder("000007");
   const cv::Mat1b all = folder.Open("/000007")->Get(0).truth.nonoccluded;
   EXPECT_EQ(cv::countNonZero(all), 40 * 30 - 1);
   cv::Mat1w seen(30, 40, uint16_t{5 * 256});
@@ -130,8 +124,7 @@ TEST(KittiDataset, ReadsTheObjectSet) {
 }
 
 TEST(KittiDataset, GivesAllFramesInTheOrderOfTheirNames) {
-  const KittiFolder folder;
-  folder.WriteStereo("000014");
+  const KittiFolder folder("000014");
   folder.WriteStereo("000007");
   folder.WriteScan("000014", {{5, 0, 0, 0}});
   folder.files().WriteImage("image_2/000007_11.png", SomePicture({40, 30}));    // no frame
@@ -156,8 +149,7 @@ TEST(KittiDataset, RefusesASequenceOfTwoCalibrations) {
 }
 
 TEST(KittiErrors, SaysHowAFrameIsNamed) {
-  const KittiFolder folder;
-  folder.WriteStereo("000007");
+  const KittiFolder folder("000007");
   for (const std::string rest : {"/000008", "x", "/000007_10.png"}) {
     EXPECT_THAT(OpenError(folder.Config(rest)),
                 AllOf(HasSubstr("capture.source = kitti:"), HasSubstr("no such frame"),
@@ -171,16 +163,14 @@ TEST(KittiErrors, SaysHowAFrameIsNamed) {
 TEST(KittiErrors, NamesTheFileThatIsMissing) {
   for (const std::string name :
        {"image_3/000007_10.png", "calib/000007.txt", "velodyne/000007.bin"}) {
-    const KittiFolder folder;
-    folder.WriteStereo("000007");
+    const KittiFolder folder("000007");
     folder.files().Remove(name);
     EXPECT_THAT(OpenError(folder.Config("/000007")), HasSubstr(name));
   }
 }
 
 TEST(KittiErrors, NamesImagesThatDoNotFit) {
-  const KittiFolder folder;
-  folder.WriteStereo("000007");
+  const KittiFolder folder("000007");
   folder.files().WriteImage("image_3/000007_10.png", SomePicture({40, 31}));
   EXPECT_THAT(OpenError(folder.Config("/000007")),
               AllOf(HasSubstr("image_3/000007_10.png"), HasSubstr("40x31"), HasSubstr("40x30")));
@@ -194,8 +184,7 @@ TEST(KittiErrors, NamesImagesThatDoNotFit) {
 }
 
 TEST(KittiErrors, RefusesAScanThatIsBroken) {
-  const KittiFolder folder;
-  folder.WriteStereo("000007");
+  const KittiFolder folder("000007");
   const auto error = [&](const std::string& bytes) {
     folder.files().WriteText("velodyne/000007.bin", bytes);
     return OpenError(folder.Config("/000007"));
@@ -210,8 +199,7 @@ TEST(KittiErrors, RefusesAScanThatIsBroken) {
 }
 
 TEST(KittiErrors, RefusesOptionsThatItDoesNotHave) {
-  const KittiFolder folder;
-  folder.WriteStereo("000007");
+  const KittiFolder folder("000007");
   for (const std::string beams : {"", "0", "15", "65", "-16", "x", "16.0"}) {
     EXPECT_THAT(OpenError(folder.Config("/000007?beams=" + beams)),
                 AllOf(HasSubstr("capture.beams = "), HasSubstr("allowed: 64, 32, 16, 8")));
@@ -238,8 +226,7 @@ class KittiCalib : public testing::TestWithParam<KittiCalibCase> {};
 
 TEST_P(KittiCalib, IsRefusedWithKeyAndReason) {
   const KittiCalibCase& c = GetParam();
-  const KittiFolder folder;
-  folder.WriteStereo("000007");
+  const KittiFolder folder("000007");
   folder.WriteCalibration("000007", c.key, c.value);
   EXPECT_THAT(OpenError(folder.Config("/000007")),
               AllOf(HasSubstr("calib/000007.txt"), HasSubstr(c.key), HasSubstr(c.message)));

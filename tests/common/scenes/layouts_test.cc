@@ -30,8 +30,7 @@ TEST(Layouts, MiddleburyOf2003HasFourCodesAPixelInItsSmallestSize) {
 }
 
 TEST(Layouts, MiddleburysEvaluationAndEth3dHaveDisp0GtAndAMask) {
-  const SceneFolder folder;
-  folder.Write2014();
+  const SceneFolder folder(SceneFolder::k2014);
   folder.Remove("disp0.pfm");
   EXPECT_THAT(OpenError(folder.Config()), HasSubstr("allowed: disp0.pfm, disp0GT.pfm"));
   cv::Mat1f truth(20, 30, 5.5F);
@@ -71,9 +70,7 @@ class KittiLayouts : public testing::Test {
   }
 
   std::unique_ptr<Dataset> Open(const std::string& rest) const {
-    CaptureConfig config;
-    config.set_source("kitti:" + folder_.File(rest));
-    return OpenDataset(config);
+    return OpenDataset("kitti:" + folder_.File(rest));
   }
 
   SceneFolder folder_;

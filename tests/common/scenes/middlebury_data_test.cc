@@ -57,9 +57,7 @@ TEST(MiddleburyData, OpensEveryScene) {
     GTEST_SKIP() << "set SPROUT_DATA to a folder with middlebury/*: scripts/fetch_middlebury";
   }
   for (const fs::path& scene : scenes) {
-    CaptureConfig config;
-    config.set_source("middlebury:" + scene.string());
-    const auto source = OpenDataset(config);
+    const auto source = OpenDataset("middlebury:" + scene.string());
     const DatasetFrame frame = source->Get(0);
     const RectifiedPair& pair = source->rig().pair;
     const std::string what = scene.string();
@@ -88,9 +86,7 @@ TEST(MiddleburyData, ShowsEverySceneToAnSr4000) {
     GTEST_SKIP() << "set SPROUT_DATA to a folder with middlebury/*: scripts/fetch_middlebury";
   }
   for (const fs::path& scene : scenes) {
-    CaptureConfig config;
-    config.set_source("middlebury:" + scene.string() + "?tof=sr4000");
-    const auto source = OpenDataset(config);
+    const auto source = OpenDataset("middlebury:" + scene.string() + "?tof=sr4000");
     const DatasetFrame frame = source->Get(0);
     int behind = 0;
     int known = 0;

@@ -18,8 +18,7 @@ TEST(MiddleburyErrors, ListsEveryNameOfAMissingImage) {
   EXPECT_THAT(OpenError(empty.Config()), AllOf(HasSubstr("view1.png, view1.jpg, view1.ppm"),
                                                HasSubstr("im0.png, im0.jpg, im0.ppm")));
   for (const std::string name : {"view5", "disp1"}) {
-    const SceneFolder folder;
-    folder.Write2005({40, 30});
+    const SceneFolder folder(cv::Size(40, 30));
     folder.Remove(name + ".png");
     EXPECT_THAT(OpenError(folder.Config()),
                 AllOf(HasSubstr(folder.File("").substr(0, folder.File("").size() - 1)),
@@ -32,8 +31,7 @@ TEST(MiddleburyErrors, NamesWhatIsMissingIn2014) {
   for (const auto& [file, message] : {std::pair{"im1.png", "im1.png, im1.jpg, im1.ppm"},
                                       {"disp0.pfm", "allowed: disp0.pfm"},
                                       {"calib.txt", "calib.txt: cannot be read"}}) {
-    const SceneFolder folder;
-    folder.Write2014();
+    const SceneFolder folder(SceneFolder::k2014);
     folder.Remove(file);
     EXPECT_THAT(OpenError(folder.Config()), HasSubstr(message));
   }
@@ -41,15 +39,13 @@ TEST(MiddleburyErrors, NamesWhatIsMissingIn2014) {
 
 TEST(MiddleburyErrors, NamesBothSizesWhenTheyDiffer) {
   for (const std::string name : {"view5.png", "disp1.png", "disp5.png"}) {
-    const SceneFolder folder;
-    folder.Write2005({40, 30});
+    const SceneFolder folder(cv::Size(40, 30));
     folder.WriteImage(name, cv::Mat1b(31, 40, uchar{9}));
     EXPECT_THAT(OpenError(folder.Config()),
                 AllOf(HasSubstr(folder.File(name)), HasSubstr("40x31"), HasSubstr("40x30")));
   }
   for (const std::string name : {"disp0.pfm", "disp1.pfm"}) {
-    const SceneFolder folder;
-    folder.Write2014();
+    const SceneFolder folder(SceneFolder::k2014);
     folder.WritePfm(name, cv::Mat1f(20, 29, 1.0f), "-1");
     EXPECT_THAT(OpenError(folder.Config()),
                 AllOf(HasSubstr(folder.File(name)), HasSubstr("29x20"), HasSubstr("30x20")));
@@ -59,8 +55,7 @@ TEST(MiddleburyErrors, NamesBothSizesWhenTheyDiffer) {
 TEST(MiddleburyErrors, NamesAnImageThatCannotBeDecoded) {
   for (const std::string& text : {std::string(), std::string("no image")}) {
     for (const std::string name : {"view1.png", "view5.png", "disp1.png"}) {
-      const SceneFolder folder;
-      folder.Write2005({40, 30});
+      const SceneFolder folder(cv::Size(40, 30));
       folder.WriteText(name, text);
       EXPECT_THAT(OpenError(folder.Config()),
                   AllOf(HasSubstr(folder.File(name)), HasSubstr("cannot be decoded")));
@@ -71,8 +66,7 @@ TEST(MiddleburyErrors, NamesAnImageThatCannotBeDecoded) {
 TEST(MiddleburyErrors, RefusesColouredAnd16BitGroundTruth) {
   for (const cv::Mat& codes :
        {cv::Mat(SomePicture({40, 30})), cv::Mat(cv::Mat1w(30, 40, uint16_t{9}))}) {
-    const SceneFolder folder;
-    folder.Write2005({40, 30});
+    const SceneFolder folder(cv::Size(40, 30));
     folder.WriteImage("disp1.png", codes);
     EXPECT_THAT(OpenError(folder.Config()),
                 AllOf(HasSubstr(folder.File("disp1.png")), HasSubstr("allowed: 8-bit grey")));
@@ -80,14 +74,12 @@ TEST(MiddleburyErrors, RefusesColouredAnd16BitGroundTruth) {
 }
 
 TEST(MiddleburyErrors, RefusesASceneWithoutAKnownDisparity) {
-  const SceneFolder codes;
-  codes.Write2005({40, 30});
+  const SceneFolder codes(cv::Size(40, 30));
   codes.WriteImage("disp1.png", cv::Mat1b(30, 40, uchar{0}));
   EXPECT_THAT(OpenError(codes.Config()),
               AllOf(HasSubstr(codes.File("disp1.png")), HasSubstr("no disparity is known")));
 
-  const SceneFolder pfm;
-  pfm.Write2014();
+  const SceneFolder pfm(SceneFolder::k2014);
   pfm.WritePfm("disp0.pfm", cv::Mat1f(20, 30, INFINITY), "-1");
   EXPECT_THAT(OpenError(pfm.Config()),
               AllOf(HasSubstr(pfm.File("disp0.pfm")), HasSubstr("no disparity is known")));
@@ -95,8 +87,7 @@ TEST(MiddleburyErrors, RefusesASceneWithoutAKnownDisparity) {
 
 TEST(MiddleburyErrors, RefusesADminThatIsNoNumber) {
   for (const std::string text : {"", "a", "200 px", "nan", "inf", "1e999", "2,5"}) {
-    const SceneFolder folder;
-    folder.Write2005({40, 30});
+    const SceneFolder folder(cv::Size(40, 30));
     folder.WriteText("dmin.txt", text);
     EXPECT_THAT(OpenError(folder.Config()),
                 AllOf(HasSubstr(folder.File("dmin.txt")), HasSubstr("allowed: one finite number")))
@@ -134,8 +125,7 @@ class MiddleburyCalib : public testing::TestWithParam<CalibCase> {};
 
 TEST_P(MiddleburyCalib, IsRefusedWithKeyAndReason) {
   const CalibCase& c = GetParam();
-  const SceneFolder folder;
-  folder.Write2014();
+  const SceneFolder folder(SceneFolder::k2014);
   folder.WriteText("calib.txt", CalibWith(c.key, c.value));
   EXPECT_THAT(OpenError(folder.Config()),
               AllOf(HasSubstr(folder.File("calib.txt")), HasSubstr(c.message)));
@@ -172,8 +162,7 @@ INSTANTIATE_TEST_SUITE_P(
 // Keys that nothing reads may say what they like.
 TEST(MiddleburyErrors, AcceptsARoundedDoffsAndRepeatedKeysOfOthers) {
   for (const std::string doffs : {"2.2", "3.9", "3\nndisp=20\nndisp=30"}) {
-    const SceneFolder folder;
-    folder.Write2014();
+    const SceneFolder folder(SceneFolder::k2014);
     folder.WriteText("calib.txt", CalibWith("doffs", doffs));
     EXPECT_EQ(folder.Open()->rig().pair.cx_right, 17) << doffs;
   }
@@ -181,8 +170,7 @@ TEST(MiddleburyErrors, AcceptsARoundedDoffsAndRepeatedKeysOfOthers) {
 
 TEST(MiddleburyErrors, AcceptsACalibrationWithoutSizeOrDoffs) {
   for (const std::string key : {"width", "height", "doffs", "none"}) {
-    const SceneFolder folder;
-    folder.Write2014();
+    const SceneFolder folder(SceneFolder::k2014);
     folder.WriteText("calib.txt", CalibWith(key, ""));
     EXPECT_EQ(folder.Open()->rig().pair.cx_right, 17);
   }
@@ -210,8 +198,7 @@ TEST(MiddleburyErrors, RefusesABrokenPfm) {
                                       {"Pf\n30 20\n-1\n" + samples + "\n", "1 bytes behind"},
                                       {std::string(1 << 20, 'P'), "header"},
                                       {"Pf\n30 20\n-1\n" + samples.substr(1), "ends early"}}) {
-    const SceneFolder folder;
-    folder.Write2014();
+    const SceneFolder folder(SceneFolder::k2014);
     folder.WriteText("disp0.pfm", text);
     EXPECT_THAT(OpenError(folder.Config()),
                 AllOf(HasSubstr(folder.File("disp0.pfm")), HasSubstr(message)));
@@ -219,8 +206,7 @@ TEST(MiddleburyErrors, RefusesABrokenPfm) {
 }
 
 TEST(MiddleburyErrors, ReadsAPfmWithLineEndsOfWindows) {
-  const SceneFolder folder;
-  folder.Write2014();
+  const SceneFolder folder(SceneFolder::k2014);
   const cv::Mat1f before = folder.Open()->Get(0).truth.left;
   std::string text = FileText(folder.File("disp0.pfm"));
   for (size_t line = 0, at = 0; line < 3; ++line, at += 2) {
@@ -237,20 +223,17 @@ TEST(MiddleburyErrors, RefusesCalibrationsThatAreNoFile) {
   for (const auto& [target, reason] : {std::pair{"dmin.txt", "Too many levels of symbolic links"},
                                        std::pair{"/dev/zero", "no regular file"},
                                        std::pair{"nowhere", "No such file or directory"}}) {
-    const SceneFolder folder;
-    folder.Write2005({40, 30});
+    const SceneFolder folder(cv::Size(40, 30));
     std::filesystem::create_symlink(target, folder.File("dmin.txt"));
     EXPECT_THAT(OpenError(folder.Config()),
                 HasSubstr(std::string("dmin.txt: cannot be read (") + reason + "); allowed: "));
   }
-  const SceneFolder fifo;
-  fifo.Write2005({40, 30});
+  const SceneFolder fifo(cv::Size(40, 30));
   ASSERT_EQ(mkfifo(fifo.File("dmin.txt").c_str(), 0600), 0);
   EXPECT_THAT(OpenError(fifo.Config()),
               HasSubstr("dmin.txt: cannot be read (no regular file); allowed: "));
 
-  const SceneFolder scene2014;
-  scene2014.Write2014();
+  const SceneFolder scene2014(SceneFolder::k2014);
   scene2014.Remove("calib.txt");
   std::filesystem::create_symlink("calib.txt", scene2014.File("calib.txt"));
   EXPECT_THAT(
@@ -259,8 +242,7 @@ TEST(MiddleburyErrors, RefusesCalibrationsThatAreNoFile) {
 }
 
 TEST(MiddleburyErrors, RefusesImagesWiderThanAnyMessageMayBe) {
-  const SceneFolder folder;
-  folder.Write2005({16385, 3});
+  const SceneFolder folder(cv::Size(16385, 3));
   EXPECT_THAT(OpenError(folder.Config()),
               HasSubstr("view1.png: 16385x3 px; allowed: 1 to 16384 px a side"));
   folder.Write2005({40, 30});
@@ -270,8 +252,7 @@ TEST(MiddleburyErrors, RefusesImagesWiderThanAnyMessageMayBe) {
 }
 
 TEST(MiddleburyErrors, RefusesATofGridWiderThanTheImage) {
-  const SceneFolder folder;
-  folder.Write2005({40, 30});
+  const SceneFolder folder(cv::Size(40, 30));
   CaptureConfig config = folder.Config();
   config.set_tof_grid_px(31);
   EXPECT_THAT(OpenError(config), AllOf(HasSubstr("40x30"), HasSubstr("allowed: 1 to 30")));

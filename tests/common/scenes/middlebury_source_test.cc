@@ -14,8 +14,7 @@ bool EqualBytes(const cv::Mat& a, const cv::Mat& b) {
 }
 
 TEST(MiddleburyDataset, ReadsTheLayoutOf2005) {
-  const SceneFolder folder;
-  folder.Write2005({40, 1110});
+  const SceneFolder folder(cv::Size(40, 1110));
   folder.WriteImage("disp5.png", cv::Mat1b(1110, 40, uchar{50}));
   const auto source = folder.Open();
   EXPECT_EQ(source->frame_count(), 1);
@@ -43,8 +42,7 @@ class MiddleburyScale : public testing::TestWithParam<ScaleCase> {};
 
 TEST_P(MiddleburyScale, DividesCodesFocalLengthAndDmin) {
   const ScaleCase& c = GetParam();
-  const SceneFolder folder;
-  folder.Write2005({41, c.rows});
+  const SceneFolder folder(cv::Size(41, c.rows));
   folder.WriteText("dmin.txt", " 270\r\n");
   CaptureConfig config = folder.Config();
   config.set_gt_scale(c.configured);
@@ -69,16 +67,14 @@ INSTANTIATE_TEST_SUITE_P(Sizes, MiddleburyScale,
                                          ScaleCase{1110, 2, 2}, ScaleCase{20, 3, 3}));
 
 TEST(MiddleburyDataset, TakesAMissingDminForZeroAndAMissingDisp5ForUnknown) {
-  const SceneFolder folder;
-  folder.Write2005({40, 555});
+  const SceneFolder folder(cv::Size(40, 555));
   const auto source = folder.Open();
   EXPECT_EQ(source->rig().pair.cx_right, source->rig().pair.cx);
   EXPECT_TRUE(source->Get(0).truth.right.empty());
 }
 
 TEST(MiddleburyDataset, ReadsTheLayoutOf2014) {
-  const SceneFolder folder;
-  folder.Write2014();
+  const SceneFolder folder(SceneFolder::k2014);
   folder.WritePfm("disp1.pfm", cv::Mat1f(20, 30, 4.125f), "-1");
   const auto source = folder.Open();
 
@@ -99,8 +95,7 @@ TEST(MiddleburyDataset, ReadsTheLayoutOf2014) {
 }
 
 TEST(MiddleburyDataset, ReadsPfmRowsInTheOrderOfOpenCv) {
-  const SceneFolder folder;
-  folder.Write2014();
+  const SceneFolder folder(SceneFolder::k2014);
   const cv::Mat1f by_opencv = cv::imread(folder.File("disp0.pfm"), cv::IMREAD_UNCHANGED);
   const cv::Mat1f truth = folder.Open()->Get(0).truth.left;
   ASSERT_EQ(by_opencv.size(), truth.size());
@@ -110,16 +105,14 @@ TEST(MiddleburyDataset, ReadsPfmRowsInTheOrderOfOpenCv) {
 
 TEST(MiddleburyDataset, TakesOnlyTheByteOrderFromThePfmScale) {
   for (const std::string scale : {"-0.003922", "-1.0", "1", "255"}) {
-    const SceneFolder folder;
-    folder.Write2014();
+    const SceneFolder folder(SceneFolder::k2014);
     folder.WritePfm("disp0.pfm", cv::Mat1f(20, 30, 6.75f), scale);
     EXPECT_EQ(folder.Open()->Get(0).truth.left(3, 4), 6.75f) << scale;
   }
 }
 
 TEST(MiddleburyDataset, KeepsGreyImagesGreyAndDropsAlpha) {
-  const SceneFolder folder;
-  folder.Write2005({40, 30});
+  const SceneFolder folder(cv::Size(40, 30));
   folder.WriteImage("view1.png", cv::Mat1b(30, 40, uchar{77}));
   folder.WriteImage("view5.png", cv::Mat4b(30, 40, cv::Vec4b(1, 2, 3, 4)));
   const DatasetFrame frame = folder.Open()->Get(0);
@@ -143,8 +136,7 @@ TEST(MiddleburyDataset, ReadsEveryImageExtension) {
 }
 
 TEST(MiddleburyDataset, SimulatesTheTofCameraFromTheLeftTruth) {
-  const SceneFolder folder;
-  folder.Write2005({40, 1110});
+  const SceneFolder folder(cv::Size(40, 1110));
   const auto source = folder.Open();
   const TofImage tof = source->Get(0).tof;
   EXPECT_EQ(tof.depth_m.size(), cv::Size(8, 222));
@@ -154,8 +146,7 @@ TEST(MiddleburyDataset, SimulatesTheTofCameraFromTheLeftTruth) {
 }
 
 TEST(MiddleburyDataset, GivesTheSameFrameAfterTheFirstWasChanged) {
-  const SceneFolder folder;
-  folder.Write2005({40, 30});
+  const SceneFolder folder(cv::Size(40, 30));
   folder.WriteImage("disp5.png", cv::Mat1b(30, 40, uchar{50}));
   const auto source = folder.Open();
   DatasetFrame first = source->Get(0);
@@ -176,8 +167,7 @@ TEST(MiddleburyDataset, GivesTheSameFrameAfterTheFirstWasChanged) {
 }
 
 TEST(MiddleburyDataset, ShowsTheSceneToAnSr4000) {
-  SceneFolder folder;
-  folder.Write2005({96, 72});
+  SceneFolder folder(cv::Size(96, 72));
   CaptureConfig config = folder.Config();
   config.set_source(config.source() + "?tof=sr4000");
   const auto source = OpenDataset(config);

@@ -103,8 +103,7 @@ TEST(OpenDataset, TakesAMultiZoneSensorFromTheConfigurationOrTheSource) {
   EXPECT_EQ(frame.tof_zones->targets_per_zone, 2);
   EXPECT_TRUE(frame.tof.depth_m.empty());
   EXPECT_EQ(OpenDataset(config)->rig().tof.width, 0);
-  const SceneFolder folder;
-  folder.Write2005({40, 30});
+  const SceneFolder folder(cv::Size(40, 30));
   for (const std::string& source : {folder.Config().source(), std::string("synthetic:64x48")}) {
     const auto opened = OpenDataset(WithSource(source + "?tof=zones:4x3&mode=nearest&targets=1"));
     frame = opened->Get(0);
@@ -138,8 +137,7 @@ TEST(OpenDataset, RefusesZonesThatCannotBe) {
 }
 
 TEST(OpenDataset, OpensScenesWithoutATofCamera) {
-  const SceneFolder folder;
-  folder.Write2005({40, 30});
+  const SceneFolder folder(cv::Size(40, 30));
   for (const std::string& source : {folder.Config().source(), std::string("synthetic:64x48")}) {
     const auto opened = OpenDataset(WithSource(source + "?tof=none"));
     EXPECT_EQ(opened->rig().tof.width, 0);

@@ -13,13 +13,7 @@ namespace {
 
 using testing::HasSubstr;
 
-std::unique_ptr<Dataset> OpenScene(const std::string& source) {
-  CaptureConfig config;
-  config.set_source(source);
-  return OpenDataset(config);
-}
-
-TofImage TofOf(const std::string& source) { return OpenScene(source)->Get(0).tof; }
+TofImage TofOf(const std::string& source) { return OpenDataset(source)->Get(0).tof; }
 
 // Length of the ray to a pixel of the grid at depth 1.
 double RayLength(const TofCamera& tof, int u, int v) {
@@ -35,7 +29,7 @@ TEST(Phasor, IsCosineAndSine) {
 
 TEST(RangeErrors, AddsMillimetresAlongTheRayOfGridAndSr4000) {
   for (const std::string source : {"synthetic:64x48?tof=grid", "synthetic:64x48?tof=sr4000"}) {
-    const auto right = OpenScene(source);
+    const auto right = OpenDataset(source);
     const TofImage before = right->Get(0).tof;
     const TofImage after = TofOf(source + "&range=-20");
     const TofCamera& tof = right->rig().tof;
@@ -56,7 +50,7 @@ TEST(RangeErrors, AddsMillimetresAlongTheRayOfGridAndSr4000) {
 }
 
 TEST(RangeErrors, WigglesAsASineOfTheRange) {
-  const auto right = OpenScene("synthetic:640x480?tof=grid");
+  const auto right = OpenDataset("synthetic:640x480?tof=grid");
   const TofImage before = right->Get(0).tof;
   for (const auto& [period, period_m] : {std::pair{"", 1.25}, {"&period=0.6", 0.6}}) {
     const TofImage after = TofOf("synthetic:640x480?tof=grid&wiggle=10" + std::string(period));
@@ -75,7 +69,7 @@ TEST(RangeErrors, WigglesAsASineOfTheRange) {
 }
 
 TEST(RangeErrors, HasSixSmoothBumpsOfSoManyPixelsWhichAreTooFar) {
-  const auto right = OpenScene("synthetic:640x480?tof=grid");
+  const auto right = OpenDataset("synthetic:640x480?tof=grid");
   const RectifiedPair& pair = right->rig().pair;
   const TofImage before = right->Get(0).tof;
   const TofImage after = TofOf("synthetic:640x480?tof=grid&bumps=3");
@@ -106,8 +100,7 @@ TEST(RangeErrors, PlacesBumpsBySeed) {
   config.set_source("synthetic:64x48?tof=grid&bumps=3");
   const TofImage one = OpenDataset(config)->Get(0).tof;
   EXPECT_EQ(cv::norm(one.depth_m, OpenDataset(config)->Get(0).tof.depth_m), 0);
-  const SceneFolder folder;
-  folder.Write2005({40, 30});
+  const SceneFolder folder(cv::Size(40, 30));
   CaptureConfig scene = folder.Config();
   scene.set_source(scene.source() + "?bumps=3");
   const cv::Mat1f first = OpenDataset(scene)->Get(0).tof.depth_m;
@@ -135,8 +128,7 @@ TEST(RangeErrors, TakesAwayReturnsThatWouldBeBehindTheCamera) {
 }
 
 TEST(RangeErrors, MakesMillimetresOfAMiddleburySceneThatHasNoDmin) {
-  const SceneFolder folder;
-  folder.Write2005({40, 555});
+  const SceneFolder folder(cv::Size(40, 555));
   const auto open = [&](const std::string& options) {
     CaptureConfig config = folder.Config();
     config.set_source(config.source() + options);
@@ -158,8 +150,7 @@ TEST(RangeErrors, MakesMillimetresOfAMiddleburySceneThatHasNoDmin) {
 }
 
 TEST(RangeErrors, MovesAndTurnsScans) {
-  const KittiFolder folder;
-  folder.WriteStereo("000007");
+  const KittiFolder folder("000007");
   EXPECT_NEAR(folder.Open("/000007?range=0.5")->Get(0).tof.depth_m(15, 20), 10.5, 1e-5);
   // f = 100 px: 1.75 px to the left; and down.
   folder.WriteScan("000007", {{10, 0, 0, 0}});

@@ -12,6 +12,12 @@ namespace sprout::scenes {
 /// A scene in a temporary folder that goes away with the object.
 class SceneFolder {
  public:
+  enum Layout { k2014 };
+
+  SceneFolder() = default;
+  explicit SceneFolder(cv::Size size_of_2005) { Write2005(size_of_2005); }
+  explicit SceneFolder(Layout) { Write2014(); }
+
   /// A complete scene in the layout of 2005 and 2006: colour, disp1 with code 40 except for
   /// unknown (0) at (0, 0) and 60 at (3, 2); no disp5, no dmin.txt.
   void Write2005(cv::Size size) const;

@@ -10,8 +10,6 @@
 namespace sprout::scenes {
 namespace {
 
-using testing::HasSubstr;
-
 constexpr int kZoneSide = 16;  // samples of a zone, along either side
 
 RectifiedPair ZonesPair() {
@@ -159,7 +157,7 @@ TEST(ZoneSensor, RefusesValuesOutOfRange) {
   ZonesConfig config;
   config.set_columns(65);
   EXPECT_THAT(Thrown<ConfigError>([&] { ZoneSensor(ZonesPair(), config, 1); }),
-              HasSubstr("capture.zones.columns = 65"));
+              testing::HasSubstr("capture.zones.columns = 65"));
 }
 
 }  // namespace
