@@ -14,7 +14,6 @@
 namespace sprout {
 namespace {
 
-using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -36,7 +35,7 @@ std::vector<std::string> Lines(const std::string& text) {
 
 // Runs a service in this process, with what main() would hand to it.
 Ended RunWith(std::vector<std::string> flags, const Service::Body& body = {},
-              const Service::ApplyFlags& apply_flags = {}) {
+              const Service::ApplyFlags& apply_flags = {}, bool can_replay = false) {
   flags.insert(flags.begin(), "sprout-probe");
   std::vector<char*> argv;
   for (std::string& flag : flags) argv.push_back(flag.data());
@@ -44,14 +43,15 @@ Ended RunWith(std::vector<std::string> flags, const Service::Body& body = {},
   Ended ended{};
   ::testing::internal::CaptureStdout();
   ::testing::internal::CaptureStderr();
-  ended.exit_code = Service("probe", "Probes the main that all services share.")
-                        .Run(
-                            static_cast<int>(flags.size()), argv.data(),
-                            [&](const ServiceContext& context) {
-                              ended.body_ran = true;
-                              return body ? body(context) : 0;
-                            },
-                            apply_flags);
+  Service service("probe", "Probes the main that all services share.");
+  if (can_replay) service.OfferReplay();
+  ended.exit_code = service.Run(
+      static_cast<int>(flags.size()), argv.data(),
+      [&](const ServiceContext& context) {
+        ended.body_ran = true;
+        return body ? body(context) : 0;
+      },
+      apply_flags);
   ended.err = Lines(::testing::internal::GetCapturedStderr());
   ended.out = ::testing::internal::GetCapturedStdout();
   return ended;
@@ -106,7 +106,7 @@ TEST(Service, RefusesFlagsThatCannotBeUsedInOneLineThatNamesThem) {
     EXPECT_EQ(ended.exit_code, 2) << named;
     EXPECT_FALSE(ended.body_ran) << named;
     ASSERT_THAT(ended.err, SizeIs(1)) << named;
-    EXPECT_THAT(ended.err[0], AllOf(StartsWith("sprout-probe: "), HasSubstr(named)));
+    EXPECT_THAT(ended.err[0], ::testing::AllOf(StartsWith("sprout-probe: "), HasSubstr(named)));
     EXPECT_EQ(ended.out, "");
   }
 }
@@ -194,21 +194,8 @@ TEST(Service, TurnsErrorsOfItsBodyIntoOneLineAndAnExitCode) {
 }
 
 // As RunWith(), for a service that can be replayed.
-Ended ReplayWith(std::vector<std::string> flags, const Service::Body& body) {
-  flags.insert(flags.begin(), "sprout-probe");
-  std::vector<char*> argv;
-  for (std::string& flag : flags) argv.push_back(flag.data());
-  Ended ended{};
-  ::testing::internal::CaptureStderr();
-  Service service("probe", "");
-  service.OfferReplay();
-  ended.exit_code =
-      service.Run(static_cast<int>(argv.size()), argv.data(), [&](const ServiceContext& context) {
-        ended.body_ran = true;
-        return body(context);
-      });
-  ended.err = Lines(::testing::internal::GetCapturedStderr());
-  return ended;
+Ended ReplayWith(const std::vector<std::string>& flags, const Service::Body& body) {
+  return RunWith(flags, body, {}, /*can_replay=*/true);
 }
 
 TEST(Service, HandsTheReplayToItsBody) {

@@ -17,9 +17,15 @@ disparity_image_t Message(DisparityEncoding encoding) {
   return ToMessage(examples::Id(), examples::Disparity(), encoding);
 }
 
-std::string ErrorOf(const disparity_image_t& message) {
-  const Result<DecodedPart> decoded = DecodePart(Part::kDisparity, examples::Encode(message));
-  return decoded ? "" : decoded.error().text;
+prior_t PriorMessage(DisparityEncoding encoding) {
+  return ToMessage(examples::Id(), examples::Prior(), encoding);
+}
+
+template <typename Message>
+std::string ErrorOf(const Message& message) {
+  constexpr bool kIsPrior = std::is_same_v<Message, prior_t>;
+  const examples::Wire wire{"", {}, kIsPrior ? Part::kPrior : Part::kDisparity};
+  return wire.ErrorOf(examples::Encode(message));
 }
 
 void SetData(disparity_image_t& message, std::vector<uint8_t> data) {
@@ -33,29 +39,39 @@ std::vector<uint8_t> Compressed(const std::vector<uint8_t>& content) {
   return data;
 }
 
-TEST(DisparityBorder, RefusesFieldsThatDoNotFitAndNamesThem) {
-  using M = disparity_image_t;
-  const struct {
-    std::function<void(M&)> apply;
-    const char* error;
-  } table[] = {
-      {[](M& m) { m.width = 0; }, "width = 0: allowed is 1 to 16384"},
-      {[](M& m) { m.width = 16385; }, "width = 16385: allowed is 1 to 16384"},
-      {[](M& m) { m.height = 0; }, "height = 0: allowed is 1 to 16384"},
-      {[](M& m) { m.height = 16385; }, "height = 16385: allowed is 1 to 16384"},
-      {[](M& m) { m.height = INT32_MIN; }, "height = -2147483648: allowed is 1 to 16384"},
-      {[](M& m) { m.counts_per_px = 16; }, "counts_per_px = 16: allowed is 32"},
-      {[](M& m) { m.invalid = 0; }, "invalid = 0: allowed is -32768"},
-      {[](M& m) { m.encoding = 2; }, "encoding = 2: allowed is RAW_INT16 or DELTA_ZSTD"},
-      {[](M& m) { m.encoding = -1; }, "encoding = -1: allowed is RAW_INT16 or DELTA_ZSTD"},
-  };
+template <typename Message>
+struct MapCorruption {
+  std::function<void(Message&)> apply;
+  const char* error;
+};
+
+template <typename Message>
+void ExpectMapRefused(Message (*make)(DisparityEncoding),
+                      const std::vector<MapCorruption<Message>>& table) {
   for (const DisparityEncoding encoding : examples::kEncodings) {
-    for (const auto& corruption : table) {
-      disparity_image_t message = Message(encoding);
+    for (const MapCorruption<Message>& corruption : table) {
+      Message message = make(encoding);
       corruption.apply(message);
       EXPECT_EQ(ErrorOf(message), corruption.error);
     }
   }
+}
+
+TEST(DisparityBorder, RefusesFieldsThatDoNotFitAndNamesThem) {
+  using M = disparity_image_t;
+  ExpectMapRefused<M>(
+      Message,
+      {
+          {[](M& m) { m.width = 0; }, "width = 0: allowed is 1 to 16384"},
+          {[](M& m) { m.width = 16385; }, "width = 16385: allowed is 1 to 16384"},
+          {[](M& m) { m.height = 0; }, "height = 0: allowed is 1 to 16384"},
+          {[](M& m) { m.height = 16385; }, "height = 16385: allowed is 1 to 16384"},
+          {[](M& m) { m.height = INT32_MIN; }, "height = -2147483648: allowed is 1 to 16384"},
+          {[](M& m) { m.counts_per_px = 16; }, "counts_per_px = 16: allowed is 32"},
+          {[](M& m) { m.invalid = 0; }, "invalid = 0: allowed is -32768"},
+          {[](M& m) { m.encoding = 2; }, "encoding = 2: allowed is RAW_INT16 or DELTA_ZSTD"},
+          {[](M& m) { m.encoding = -1; }, "encoding = -1: allowed is RAW_INT16 or DELTA_ZSTD"},
+      });
 }
 
 TEST(DisparityBorder, RefusesRawDataOfAnotherSize) {
@@ -138,15 +154,6 @@ TEST(DisparityBorder, TakesNoMemoryForAHugeRawMapWithTinyData) {
 
 // --- Priors: what they have besides ---
 
-prior_t PriorMessage(DisparityEncoding encoding) {
-  return ToMessage(examples::Id(), examples::Prior(), encoding);
-}
-
-std::string PriorErrorOf(const prior_t& message) {
-  const Result<DecodedPart> decoded = DecodePart(Part::kPrior, examples::Encode(message));
-  return decoded ? "" : decoded.error().text;
-}
-
 void SetSigma(prior_t& message, std::vector<uint8_t> sigma) {
   message.sigma = std::move(sigma);
   message.sigma_size = static_cast<int32_t>(message.sigma.size());
@@ -154,34 +161,26 @@ void SetSigma(prior_t& message, std::vector<uint8_t> sigma) {
 
 TEST(PriorBorder, RefusesFieldsThatDoNotFitAndNamesThem) {
   using M = prior_t;
-  const struct {
-    std::function<void(M&)> apply;
-    const char* error;
-  } table[] = {
-      {[](M& m) { m.width = 0; }, "width = 0: allowed is 1 to 16384"},
-      {[](M& m) { m.height = 16385; }, "height = 16385: allowed is 1 to 16384"},
-      {[](M& m) { m.counts_per_px = 16; }, "counts_per_px = 16: allowed is 32"},
-      {[](M& m) { m.invalid = 0; }, "invalid = 0: allowed is -32768"},
-      {[](M& m) { m.sigma_counts_per_px = 32; }, "sigma_counts_per_px = 32: allowed is 16"},
-      {[](M& m) { m.encoding = 2; }, "encoding = 2: allowed is RAW or DELTA_ZSTD"},
-      {[](M& m) { m.encoding = -1; }, "encoding = -1: allowed is RAW or DELTA_ZSTD"},
-  };
-  for (const DisparityEncoding encoding : examples::kEncodings) {
-    for (const auto& corruption : table) {
-      prior_t message = PriorMessage(encoding);
-      corruption.apply(message);
-      EXPECT_EQ(PriorErrorOf(message), corruption.error);
-    }
-  }
+  ExpectMapRefused<M>(
+      PriorMessage,
+      {
+          {[](M& m) { m.width = 0; }, "width = 0: allowed is 1 to 16384"},
+          {[](M& m) { m.height = 16385; }, "height = 16385: allowed is 1 to 16384"},
+          {[](M& m) { m.counts_per_px = 16; }, "counts_per_px = 16: allowed is 32"},
+          {[](M& m) { m.invalid = 0; }, "invalid = 0: allowed is -32768"},
+          {[](M& m) { m.sigma_counts_per_px = 32; }, "sigma_counts_per_px = 32: allowed is 16"},
+          {[](M& m) { m.encoding = 2; }, "encoding = 2: allowed is RAW or DELTA_ZSTD"},
+          {[](M& m) { m.encoding = -1; }, "encoding = -1: allowed is RAW or DELTA_ZSTD"},
+      });
 }
 
 TEST(PriorBorder, RefusesMorePixelsThanItsEncodingMayHave) {
   prior_t message = PriorMessage(DisparityEncoding::kRawInt16);
   message.width = message.height = 16384;
-  EXPECT_EQ(PriorErrorOf(message), "width × height = 268435456: allowed is up to 100000000 pixels");
+  EXPECT_EQ(ErrorOf(message), "width × height = 268435456: allowed is up to 100000000 pixels");
   message = PriorMessage(DisparityEncoding::kDeltaZstd);
   message.width = message.height = 16384;
-  EXPECT_EQ(PriorErrorOf(message),
+  EXPECT_EQ(ErrorOf(message),
             "width x height = 16384x16384: allowed for compressed data are up to 32000000 pixels");
 }
 
@@ -189,7 +188,7 @@ TEST(PriorBorder, RefusesRawSigmaOfAnotherSize) {
   prior_t message = PriorMessage(DisparityEncoding::kRawInt16);
   for (const size_t size : {0, 11, 13, 24}) {
     SetSigma(message, std::vector<uint8_t>(size, 255));
-    EXPECT_EQ(PriorErrorOf(message),
+    EXPECT_EQ(ErrorOf(message),
               "sigma_size = " + std::to_string(size) + ": allowed is width × height = 12");
   }
 }
@@ -198,7 +197,7 @@ TEST(PriorBorder, RefusesCompressedSigmaOfAnotherSize) {
   prior_t message = PriorMessage(DisparityEncoding::kDeltaZstd);
   for (const size_t size : {0, 11, 13, 24}) {
     SetSigma(message, Compressed(std::vector<uint8_t>(size, 7)));
-    EXPECT_EQ(PriorErrorOf(message), "sigma: not a Zstandard frame of width × height = 12 bytes");
+    EXPECT_EQ(ErrorOf(message), "sigma: not a Zstandard frame of width × height = 12 bytes");
   }
 }
 
@@ -208,26 +207,25 @@ TEST(PriorBorder, RefusesCompressedSigmaThatIsDamagedOrHasMoreBehindIt) {
   for (size_t size = 0; size < valid.sigma.size(); ++size) {
     prior_t message = valid;
     SetSigma(message, {valid.sigma.begin(), valid.sigma.begin() + static_cast<int>(size)});
-    EXPECT_THAT(PriorErrorOf(message), HasSubstr("sigma: ")) << "cut at " << size;
+    EXPECT_THAT(ErrorOf(message), HasSubstr("sigma: ")) << "cut at " << size;
   }
   prior_t message = valid;
   std::vector<uint8_t> longer = valid.sigma;
   const std::vector<uint8_t> empty_frame = Compressed({});
   longer.insert(longer.end(), empty_frame.begin(), empty_frame.end());
   SetSigma(message, longer);
-  EXPECT_THAT(PriorErrorOf(message),
-              HasSubstr("sigma: damaged Zstandard frame, or bytes behind it"));
+  EXPECT_THAT(ErrorOf(message), HasSubstr("sigma: damaged Zstandard frame, or bytes behind it"));
 }
 
 TEST(PriorBorder, RefusesSigmaThatSaysMoreOrLessThanItCan) {
   for (const DisparityEncoding encoding : examples::kEncodings) {
     PriorMap certain(examples::Prior().disparity, examples::Prior().sigma.clone());
     certain.sigma(1, 2) = 0;
-    EXPECT_EQ(PriorErrorOf(ToMessage(examples::Id(), certain, encoding)),
+    EXPECT_EQ(ErrorOf(ToMessage(examples::Id(), certain, encoding)),
               "sigma at (2, 1) = 0: allowed is 1 to 255");
     PriorMap of_nothing(examples::Prior().disparity, examples::Prior().sigma.clone());
     of_nothing.sigma(2, 0) = 254;
-    EXPECT_EQ(PriorErrorOf(ToMessage(examples::Id(), of_nothing, encoding)),
+    EXPECT_EQ(ErrorOf(ToMessage(examples::Id(), of_nothing, encoding)),
               "sigma at (0, 2) = 254: allowed is 255 where there is no disparity");
   }
 }
@@ -236,12 +234,12 @@ TEST(PriorBorder, TakesNoMemoryForAHugeSigmaWithTinyData) {
   prior_t message =
       ToMessage(examples::Id(), PriorMap(cv::Size(1, 1)), DisparityEncoding::kDeltaZstd);
   message.width = message.height = 5000;
-  EXPECT_THAT(PriorErrorOf(message), HasSubstr("2 × width × height = 50000000"));
+  EXPECT_THAT(ErrorOf(message), HasSubstr("2 × width × height = 50000000"));
   // Disparities of that size are there; the standard deviations are one byte.
   message =
       ToMessage(examples::Id(), PriorMap(cv::Size(3000, 2000)), DisparityEncoding::kDeltaZstd);
   SetSigma(message, Compressed({255}));
-  EXPECT_THAT(PriorErrorOf(message), HasSubstr("sigma: not a Zstandard frame"));
+  EXPECT_THAT(ErrorOf(message), HasSubstr("sigma: not a Zstandard frame"));
 }
 
 // Maps of 12 megapixels in a few hundred bytes.

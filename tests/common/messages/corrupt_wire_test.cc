@@ -74,7 +74,7 @@ size_t CountOffset(const Message& message, int32_t Message::*count) {
 }
 
 template <typename Message>
-void ExpectHostileCountsRefused(const Message& message, int32_t Message::*count, Part part) {
+void ExpectHostileCountsSeen(const Message& message, int32_t Message::*count, Part part) {
   const std::vector<uint8_t> bytes = Encode(message);
   const size_t offset = CountOffset(message, count);
   for (const int32_t hostile : kHostileCounts) {
@@ -87,10 +87,16 @@ void ExpectHostileCountsRefused(const Message& message, int32_t Message::*count,
     EXPECT_THAT(decoded.error().text,
                 StartsWith("array count " + std::to_string(hostile) + " does not fit"));
   }
+}
+
+template <typename Message>
+void ExpectHostileCountsRefused(const Message& message, int32_t Message::*count, Part part) {
+  ExpectHostileCountsSeen(message, count, part);
+  const examples::Wire wire{"", Encode(message), part};
+  const size_t offset = CountOffset(message, count);
   // Too large by little: the decoder finds the end.
-  EXPECT_NE(examples::Wire({"", bytes, part}).ErrorOf(Patched(bytes, offset, message.*count + 1)),
-            "");
-  EXPECT_EQ(examples::Wire({"", bytes, part}).ErrorOf(Patched(bytes, offset, message.*count)), "");
+  EXPECT_NE(wire.ErrorOf(Patched(wire.bytes, offset, message.*count + 1)), "");
+  EXPECT_EQ(wire.ErrorOf(Patched(wire.bytes, offset, message.*count)), "");
 }
 
 TEST(Wire, RefusesHostileCountsOfAnImage) {
@@ -116,13 +122,7 @@ TEST(Wire, RefusesHostileCountsOfADisparityImage) {
   if (message.size % 2 == 0) {  // any odd count will do: the count is looked at first
     message.data.push_back(0);
     ++message.size;
-    const std::vector<uint8_t> bytes = Encode(message);
-    const size_t offset = CountOffset(message, &disparity_image_t::size);
-    for (const int32_t hostile : kHostileCounts) {
-      EXPECT_THAT(DecodePart(Part::kUnfilled, Patched(bytes, offset, hostile)).error().text,
-                  StartsWith("array count " + std::to_string(hostile) + " does not fit"));
-    }
-    return;
+    return ExpectHostileCountsSeen(message, &disparity_image_t::size, Part::kUnfilled);
   }
   ExpectHostileCountsRefused(message, &disparity_image_t::size, Part::kUnfilled);
 }
@@ -133,12 +133,7 @@ TEST(Wire, RefusesHostileCountsOfAPrior) {
   ExpectHostileCountsRefused(message, &prior_t::sigma_size, Part::kPrior);
   message.data.push_back(0);  // an odd count, looked at first
   ++message.size;
-  const std::vector<uint8_t> bytes = Encode(message);
-  const size_t offset = CountOffset(message, &prior_t::size);
-  for (const int32_t hostile : kHostileCounts) {
-    EXPECT_THAT(DecodePart(Part::kPrior, Patched(bytes, offset, hostile)).error().text,
-                StartsWith("array count " + std::to_string(hostile) + " does not fit"));
-  }
+  ExpectHostileCountsSeen(message, &prior_t::size, Part::kPrior);
 }
 
 TEST(Wire, RefusesHostileLengthsOfTheRigId) {
@@ -151,16 +146,13 @@ TEST(Wire, RefusesHostileLengthsOfTheRigId) {
   }
 }
 
-// Each string of a status with the offset of its length.
-std::vector<std::pair<std::string, size_t>> StatusStrings() {
-  const StageStatus status = examples::Status();
-  size_t offset = examples::kRigIdLengthOffset + 4 + status.newest_frame.rig_id.size() + 1;
-  std::vector<std::pair<std::string, size_t>> strings;
-  const std::pair<const char*, std::string> fields[] = {{"stage", status.stage},
-                                                        {"host", status.host},
-                                                        {"version", status.version},
-                                                        {"config_digest", status.config_digest},
-                                                        {"last_error", status.last_error}};
+// Each string of a message that carries no part, with the offset of its length.
+using Strings = std::vector<std::pair<std::string, size_t>>;
+
+Strings StringsBehind(const FrameId& header,
+                      const std::vector<std::pair<std::string, std::string>>& fields) {
+  size_t offset = examples::kRigIdLengthOffset + 4 + header.rig_id.size() + 1;
+  Strings strings;
   for (const auto& [name, text] : fields) {
     strings.emplace_back(name, offset);
     offset += 4 + text.size() + 1;
@@ -168,15 +160,37 @@ std::vector<std::pair<std::string, size_t>> StatusStrings() {
   return strings;
 }
 
-TEST(Wire, RefusesHostileLengthsOfTheStringsOfAStatus) {
-  const examples::Wire status = examples::AllWires().back();
-  for (const auto& [name, offset] : StatusStrings()) {
-    for (const int32_t length : {0, -1, -5, INT32_MIN, INT32_MIN + 1, 1 << 20, INT32_MAX}) {
-      const std::vector<uint8_t> bytes = Patched(status.bytes, offset, length);
-      const AllocationGuard guard;
-      EXPECT_EQ(status.ErrorOf(bytes),
-                name + ": length " + std::to_string(length) + " does not fit");
-      EXPECT_LT(guard.largest(), 100'000U);
+Strings StatusStrings() {
+  const StageStatus status = examples::Status();
+  return StringsBehind(status.newest_frame, {{"stage", status.stage},
+                                             {"host", status.host},
+                                             {"version", status.version},
+                                             {"config_digest", status.config_digest},
+                                             {"last_error", status.last_error}});
+}
+
+Strings ProcessStrings() {
+  const ProcessInfo info = examples::Process();
+  return StringsBehind(info.header, {{"stage", info.stage},
+                                     {"host", info.host},
+                                     {"version", info.version},
+                                     {"config_digest", info.config_digest},
+                                     {"config_text", info.config_text}});
+}
+
+TEST(Wire, RefusesHostileLengthsOfTheStringsOfStatusAndProcess) {
+  const std::vector<examples::Wire> wires = examples::AllWires();
+  const auto process = std::ranges::find(wires, "process", &examples::Wire::name);
+  for (const auto& [wire, strings] :
+       {std::pair(wires.back(), StatusStrings()), std::pair(*process, ProcessStrings())}) {
+    for (const auto& [name, offset] : strings) {
+      for (const int32_t length : {0, -1, -5, INT32_MIN, INT32_MIN + 1, 1 << 20, INT32_MAX}) {
+        const std::vector<uint8_t> bytes = Patched(wire.bytes, offset, length);
+        const AllocationGuard guard;
+        EXPECT_EQ(wire.ErrorOf(bytes),
+                  name + ": length " + std::to_string(length) + " does not fit");
+        EXPECT_LT(guard.largest(), 100'000U);
+      }
     }
   }
 }
@@ -198,27 +212,6 @@ TEST(Wire, RefusesStringsThatDoNotEndWhereTheirLengthSays) {
     std::vector<uint8_t> bytes = status.bytes;
     bytes[offset + 4 + 1] = 0;
     EXPECT_THAT(status.ErrorOf(bytes), StartsWith(name + ": "));
-  }
-}
-
-TEST(Wire, RefusesHostileLengthsOfTheStringsOfAProcess) {
-  const ProcessInfo info = examples::Process();
-  const std::vector<uint8_t> good = EncodeProcessInfo(info);
-  size_t offset = examples::kRigIdLengthOffset + 4 + info.header.rig_id.size() + 1;
-  const std::pair<const char*, std::string> fields[] = {{"stage", info.stage},
-                                                        {"host", info.host},
-                                                        {"version", info.version},
-                                                        {"config_digest", info.config_digest},
-                                                        {"config_text", info.config_text}};
-  for (const auto& [name, text] : fields) {
-    for (const int32_t length : {0, -1, -5, INT32_MIN, 1 << 20, INT32_MAX}) {
-      const std::vector<uint8_t> bytes = Patched(good, offset, length);
-      const AllocationGuard guard;
-      EXPECT_EQ(DecodeProcessInfo(bytes).error().text,
-                std::string(name) + ": length " + std::to_string(length) + " does not fit");
-      EXPECT_LT(guard.largest(), 100'000U);
-    }
-    offset += 4 + text.size() + 1;
   }
 }
 

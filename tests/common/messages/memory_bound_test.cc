@@ -11,8 +11,6 @@
 namespace sprout {
 namespace {
 
-using ::testing::HasSubstr;
-
 constexpr int kColumns = 8000;
 constexpr int kMaxRows = 4000;
 static_assert(int64_t{kColumns} * kMaxRows == kMaxCompressedPixels);
@@ -109,8 +107,9 @@ TEST_P(CompressedMessage, IsRefusedBeforeItTakesMemoryWhenItIsLarger) {
     const Result<DecodedPart> decoded = DecodePart(GetParam().part, bytes, expected);
     EXPECT_LT(guard.largest(), 4096U);
     ASSERT_FALSE(decoded);
-    EXPECT_THAT(decoded.error().text,
-                HasSubstr("8000x4001: allowed for compressed data are up to 32000000 pixels"));
+    EXPECT_THAT(
+        decoded.error().text,
+        ::testing::HasSubstr("8000x4001: allowed for compressed data are up to 32000000 pixels"));
   }
 }
 
