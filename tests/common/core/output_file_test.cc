@@ -11,7 +11,7 @@
 #include <iostream>
 
 #include "common/core/input_files.h"
-#include "tests/common/picture/temporary_directory.h"
+#include "tests/common/testing/test_with_folder.h"
 
 namespace sprout {
 namespace {
@@ -26,162 +26,151 @@ std::string WriteAndCommit(const fs::path& path, const std::string& text) {
   return written ? "" : written.error().text;
 }
 
-TEST(OutputFile, ReplacesARegularFileWhenItIsWhole) {
-  const TemporaryDirectory folder;
-  std::ofstream(folder / "a") << "older";
-  OutputFile file(folder / "a");
+class OutputFileTest : public TestWithFolder {};
+
+TEST_F(OutputFileTest, ReplacesARegularFileWhenItIsWhole) {
+  std::ofstream(folder_ / "a") << "older";
+  OutputFile file(folder_ / "a");
   EXPECT_TRUE(file.replaces());
   file.Write("new");
-  EXPECT_EQ(FileText(folder / "a"), "older");
+  EXPECT_EQ(FileText(folder_ / "a"), "older");
   ASSERT_TRUE(file.Commit());
-  EXPECT_EQ(FileText(folder / "a"), "new");
-  EXPECT_EQ(folder.CountEntries(), 1);
+  EXPECT_EQ(FileText(folder_ / "a"), "new");
+  EXPECT_EQ(folder_.CountEntries(), 1);
 }
 
-TEST(OutputFile, LeavesNothingWhenItsProcessIsKilled) {
-  const TemporaryDirectory folder;
-  if (open((folder / "").c_str(), O_TMPFILE | O_WRONLY, 0600) < 0) GTEST_SKIP() << "no O_TMPFILE";
+TEST_F(OutputFileTest, LeavesNothingWhenItsProcessIsKilled) {
+  if (open((folder_ / "").c_str(), O_TMPFILE | O_WRONLY, 0600) < 0) GTEST_SKIP() << "no O_TMPFILE";
   const pid_t child = fork();
   if (child == 0) {
-    OutputFile file(folder / "a");
+    OutputFile file(folder_ / "a");
     file.Write(std::string(3 << 20, 'x'));
     raise(SIGKILL);
   }
   int status = 0;
   ASSERT_EQ(waitpid(child, &status, 0), child);
   EXPECT_TRUE(WIFSIGNALED(status));
-  EXPECT_EQ(folder.CountEntries(), 0);
+  EXPECT_EQ(folder_.CountEntries(), 0);
 }
 
-TEST(OutputFile, HasTheRightsOfAnyNewFile) {
-  const TemporaryDirectory folder;
-  std::ofstream(folder / "plain") << "text";
-  EXPECT_EQ(WriteAndCommit(folder / "a", "text"), "");
-  EXPECT_EQ(fs::status(folder / "a").permissions(), fs::status(folder / "plain").permissions());
+TEST_F(OutputFileTest, HasTheRightsOfAnyNewFile) {
+  std::ofstream(folder_ / "plain") << "text";
+  EXPECT_EQ(WriteAndCommit(folder_ / "a", "text"), "");
+  EXPECT_EQ(fs::status(folder_ / "a").permissions(), fs::status(folder_ / "plain").permissions());
 }
 
-TEST(OutputFile, LeavesWhatTheProgramReads) {
-  const TemporaryDirectory folder;
-  std::ofstream(folder / "read") << "older";
+TEST_F(OutputFileTest, LeavesWhatTheProgramReads) {
+  std::ofstream(folder_ / "read") << "older";
   const InputFileGuard guard;
-  NoteInputFile(folder / "read");
-  const fs::path other_way = folder / "below/../read";
-  fs::create_directory(folder / "below");
-  EXPECT_THAT(WriteAndCommit(folder / "read", "new"), HasSubstr("an input of this run"));
+  NoteInputFile(folder_ / "read");
+  const fs::path other_way = folder_ / "below/../read";
+  fs::create_directory(folder_ / "below");
+  EXPECT_THAT(WriteAndCommit(folder_ / "read", "new"), HasSubstr("an input of this run"));
   EXPECT_THAT(WriteAndCommit(other_way, "new"), HasSubstr("an input of this run"));
-  EXPECT_EQ(FileText(folder / "read"), "older");
-  EXPECT_EQ(WriteAndCommit(folder / "beside", "new"), "");
-  OutputFile in_place(folder / "read", OutputFile::OverInput::kAllowed);
+  EXPECT_EQ(FileText(folder_ / "read"), "older");
+  EXPECT_EQ(WriteAndCommit(folder_ / "beside", "new"), "");
+  OutputFile in_place(folder_ / "read", OutputFile::OverInput::kAllowed);
   in_place.Write("new");
   EXPECT_TRUE(in_place.Commit());
-  EXPECT_EQ(FileText(folder / "read"), "new");
+  EXPECT_EQ(FileText(folder_ / "read"), "new");
 }
 
-TEST(OutputFile, ReplacesWhatAnEarlierProgramOfTheProcessHasRead) {
-  const TemporaryDirectory folder;
-  std::ofstream(folder / "read") << "older";
+TEST_F(OutputFileTest, ReplacesWhatAnEarlierProgramOfTheProcessHasRead) {
+  std::ofstream(folder_ / "read") << "older";
   {
     const InputFileGuard guard;
-    NoteInputFile(folder / "read");
+    NoteInputFile(folder_ / "read");
   }
-  EXPECT_EQ(WriteAndCommit(folder / "read", "new"), "");
+  EXPECT_EQ(WriteAndCommit(folder_ / "read", "new"), "");
 }
 
-TEST(OutputFile, RefusesWhatBecameAnInputMeanwhile) {
-  const TemporaryDirectory folder;
-  std::ofstream(folder / "read") << "older";
+TEST_F(OutputFileTest, RefusesWhatBecameAnInputMeanwhile) {
+  std::ofstream(folder_ / "read") << "older";
   const InputFileGuard guard;
-  OutputFile file(folder / "read");
-  NoteInputFile(folder / "read");
+  OutputFile file(folder_ / "read");
+  NoteInputFile(folder_ / "read");
   EXPECT_FALSE(file.Commit());
-  EXPECT_EQ(FileText(folder / "read"), "older");
-  EXPECT_EQ(folder.CountEntries(), 1);
+  EXPECT_EQ(FileText(folder_ / "read"), "older");
+  EXPECT_EQ(folder_.CountEntries(), 1);
 }
 
-TEST(OutputFile, LeavesNothingWithoutCommit) {
-  const TemporaryDirectory folder;
+TEST_F(OutputFileTest, LeavesNothingWithoutCommit) {
   {
-    OutputFile file(folder / "a");
+    OutputFile file(folder_ / "a");
     EXPECT_FALSE(file.replaces());
     file.Write("new");
   }
-  EXPECT_EQ(folder.CountEntries(), 0);
+  EXPECT_EQ(folder_.CountEntries(), 0);
 }
 
-TEST(OutputFile, CarriesMoreThanItsBuffer) {
-  const TemporaryDirectory folder;
+TEST_F(OutputFileTest, CarriesMoreThanItsBuffer) {
   const std::string large(3 << 20, 'x');
-  OutputFile file(folder / "a");
+  OutputFile file(folder_ / "a");
   std::string expected;
   for (const std::string& piece : {std::string("ab"), large, std::string("cd"), large}) {
     file.Write(piece);
     expected += piece;
   }
   ASSERT_TRUE(file.Commit());
-  EXPECT_EQ(FileText(folder / "a") == expected, true);
+  EXPECT_EQ(FileText(folder_ / "a") == expected, true);
 }
 
-TEST(OutputFile, TouchesNobodyElsesPart) {
-  const TemporaryDirectory folder;
-  std::ofstream(folder / "a.part") << "mine";
-  fs::create_symlink("nowhere", folder / "a.part2");
-  EXPECT_EQ(WriteAndCommit(folder / "a", "new"), "");
-  EXPECT_EQ(FileText(folder / "a"), "new");
-  EXPECT_EQ(FileText(folder / "a.part"), "mine");
-  EXPECT_TRUE(fs::is_symlink(folder / "a.part2"));
-  EXPECT_EQ(folder.CountEntries(), 3);
+TEST_F(OutputFileTest, TouchesNobodyElsesPart) {
+  std::ofstream(folder_ / "a.part") << "mine";
+  fs::create_symlink("nowhere", folder_ / "a.part2");
+  EXPECT_EQ(WriteAndCommit(folder_ / "a", "new"), "");
+  EXPECT_EQ(FileText(folder_ / "a"), "new");
+  EXPECT_EQ(FileText(folder_ / "a.part"), "mine");
+  EXPECT_TRUE(fs::is_symlink(folder_ / "a.part2"));
+  EXPECT_EQ(folder_.CountEntries(), 3);
 }
 
-TEST(OutputFile, OfTwoWritersOfOneNameTheLastOneWins) {
-  const TemporaryDirectory folder;
-  OutputFile first(folder / "a");
-  OutputFile second(folder / "a");
+TEST_F(OutputFileTest, OfTwoWritersOfOneNameTheLastOneWins) {
+  OutputFile first(folder_ / "a");
+  OutputFile second(folder_ / "a");
   first.Write("first");
   second.Write("second");
   EXPECT_TRUE(second.Commit());
   EXPECT_TRUE(first.Commit());
-  EXPECT_EQ(FileText(folder / "a"), "first");
-  EXPECT_EQ(folder.CountEntries(), 1);
+  EXPECT_EQ(FileText(folder_ / "a"), "first");
+  EXPECT_EQ(folder_.CountEntries(), 1);
 }
 
-TEST(OutputFile, RefusesWhatIsNoRegularFile) {
-  const TemporaryDirectory folder;
-  std::ofstream(folder / "file") << "kept";
-  fs::create_symlink("file", folder / "link");
-  fs::create_symlink("loop", folder / "loop");
-  fs::create_directory(folder / "folder");
-  ASSERT_EQ(mkfifo((folder / "fifo").c_str(), 0600), 0);
+TEST_F(OutputFileTest, RefusesWhatIsNoRegularFile) {
+  std::ofstream(folder_ / "file") << "kept";
+  fs::create_symlink("file", folder_ / "link");
+  fs::create_symlink("loop", folder_ / "loop");
+  fs::create_directory(folder_ / "folder");
+  ASSERT_EQ(mkfifo((folder_ / "fifo").c_str(), 0600), 0);
   const std::string allowed = "; allowed: a new name, a regular file, /dev/stdout or /dev/null";
   for (const auto& [name, reason] : {std::pair{"link", "a symbolic link"},
                                      {"loop", "a symbolic link"},
                                      {"folder", "a folder"},
                                      {"fifo", "a FIFO"}}) {
-    EXPECT_EQ(OutputFile(folder / name).failure(), reason + allowed);
-    EXPECT_EQ(WriteAndCommit(folder / name, "new"),
-              "cannot write " + (folder / name).string() + ": " + reason + allowed);
+    EXPECT_EQ(OutputFile(folder_ / name).failure(), reason + allowed);
+    EXPECT_EQ(WriteAndCommit(folder_ / name, "new"),
+              "cannot write " + (folder_ / name).string() + ": " + reason + allowed);
   }
-  EXPECT_EQ(FileText(folder / "link"), "kept");
-  EXPECT_TRUE(fs::is_fifo(folder / "fifo"));
-  EXPECT_EQ(folder.CountEntries(), 5);
+  EXPECT_EQ(FileText(folder_ / "link"), "kept");
+  EXPECT_TRUE(fs::is_fifo(folder_ / "fifo"));
+  EXPECT_EQ(folder_.CountEntries(), 5);
 }
 
-TEST(OutputFile, RefusesWhatCameMeanwhile) {
-  const TemporaryDirectory folder;
-  OutputFile file(folder / "a");
-  ASSERT_EQ(mkfifo((folder / "a").c_str(), 0600), 0);
+TEST_F(OutputFileTest, RefusesWhatCameMeanwhile) {
+  OutputFile file(folder_ / "a");
+  ASSERT_EQ(mkfifo((folder_ / "a").c_str(), 0600), 0);
   EXPECT_THAT(file.Commit().error().text, HasSubstr("a FIFO"));
-  EXPECT_TRUE(fs::is_fifo(folder / "a"));
-  EXPECT_EQ(folder.CountEntries(), 1);
+  EXPECT_TRUE(fs::is_fifo(folder_ / "a"));
+  EXPECT_EQ(folder_.CountEntries(), 1);
 }
 
-TEST(OutputFile, RefusesANameThatIsNone) {
-  const TemporaryDirectory folder;
+TEST_F(OutputFileTest, RefusesANameThatIsNone) {
   EXPECT_EQ(OutputFile("").failure(), "it names no file");
-  EXPECT_EQ(OutputFile(folder / "").failure(), "it names no file");
-  EXPECT_EQ(OutputFile(folder / "missing/a").failure(), "No such file or directory");
+  EXPECT_EQ(OutputFile(folder_ / "").failure(), "it names no file");
+  EXPECT_EQ(OutputFile(folder_ / "missing/a").failure(), "No such file or directory");
 }
 
-TEST(OutputFile, WritesThroughToDevices) {
+TEST_F(OutputFileTest, WritesThroughToDevices) {
   EXPECT_EQ(WriteAndCommit("/dev/null", "gone"), "");
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
   EXPECT_FALSE(fs::exists("/dev/null.part"));
@@ -189,7 +178,7 @@ TEST(OutputFile, WritesThroughToDevices) {
             "cannot write /dev/full: No space left on device");
 }
 
-TEST(OutputFile, WritesThroughToStdoutInOrder) {
+TEST_F(OutputFileTest, WritesThroughToStdoutInOrder) {
   testing::internal::CaptureStdout();
   std::cout << "before " << std::flush;
   EXPECT_EQ(WriteAndCommit("/dev/stdout", "between "), "");
@@ -197,7 +186,7 @@ TEST(OutputFile, WritesThroughToStdoutInOrder) {
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "before between behind");
 }
 
-TEST(OutputFile, WritesThroughToAnOpenDescriptor) {
+TEST_F(OutputFileTest, WritesThroughToAnOpenDescriptor) {
   int ends[2] = {-1, -1};
   ASSERT_EQ(pipe(ends), 0);
   EXPECT_EQ(WriteAndCommit("/dev/fd/" + std::to_string(ends[1]), "hello"), "");

@@ -13,7 +13,6 @@ namespace sprout::inputs {
 namespace {
 
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 Parts Moved(const cv::Matx23d& motion) {
   Parts parts = SceneOf();
@@ -47,9 +46,7 @@ TEST(CheckInputs, SaysThatTwoScenesAreNotOne) {
   random.fill(noise, cv::RNG::UNIFORM, 0, 256);
   cv::GaussianBlur(noise, noise, {}, 1.5);
   cv::normalize(noise, parts.right, 0, 255, cv::NORM_MINMAX);
-  const Finding finding = parts.Answer(Question::kScene);
-  EXPECT_EQ(finding.verdict, Verdict::kBad);
-  EXPECT_THAT(finding.text, HasSubstr("do not show one scene"));
+  ExpectBad(parts, Question::kScene, "do not show one scene");
   EXPECT_EQ(parts.Answer(Question::kRows).verdict, Verdict::kCannotTell);
 }
 
@@ -73,9 +70,7 @@ TEST(CheckInputs, SeesOneSceneThroughNoiseAndBlur) {
 TEST(CheckInputs, SaysThatAnImageIsBlank) {
   Parts parts = SceneOf();
   parts.right = cv::Mat1b(parts.right.size(), uint8_t{128});
-  const Finding finding = parts.Answer(Question::kBits);
-  EXPECT_EQ(finding.verdict, Verdict::kBad);
-  EXPECT_THAT(finding.text, HasSubstr("right image is blank"));
+  ExpectBad(parts, Question::kBits, "right image is blank");
 }
 
 TEST(CheckInputs, MeasuresOneContrast) {
@@ -94,9 +89,7 @@ TEST(CheckInputs, AsksForANumberThatMayMeanNothing) {
   Parts parts = SceneOf();
   const cv::Rect hole(40, 30, 14, 12);
   parts.tof.depth_m(hole).setTo(32.767F);
-  const Finding finding = parts.Answer(Question::kHits);
-  EXPECT_EQ(finding.verdict, Verdict::kBad);
-  EXPECT_THAT(finding.text, HasSubstr("168 pixels of the range image have exactly 32.767 m"));
+  ExpectBad(parts, Question::kHits, "168 pixels of the range image have exactly 32.767 m");
   // A wall of one distance is where stereo sees it, too.
   parts = SceneOf("synthetic:640x480?tof=grid");
   double far = 0;
@@ -113,9 +106,7 @@ TEST(CheckInputs, AsksForAScaleThatNothingShows) {
   Parts parts = SceneOf();
   parts.rig.pair.baseline_m *= 1000;
   parts.tof = {};
-  const Finding finding = parts.Answer(Question::kScale);
-  EXPECT_EQ(finding.verdict, Verdict::kBad);
-  EXPECT_THAT(finding.text, HasSubstr("m apart"));
+  ExpectBad(parts, Question::kScale, "m apart");
   parts.rig.pair.baseline_m /= 1000 * parts.rig.pair.focal_px;  // P of ROS with −b
   EXPECT_THAT(parts.Answer(Question::kScale).text, HasSubstr("mm apart"));
 }
@@ -152,9 +143,7 @@ TEST(CheckInputs, SaysThatARangeImageHasAnotherFieldOfView) {
 TEST(CheckInputs, SaysThatPrincipalPointsDoNotFit) {
   Parts parts = SceneOf();
   parts.rig.pair.cx_right -= 40;  // nearer surfaces have more than 40 px of disparity
-  const Finding finding = parts.Answer(Question::kSides);
-  EXPECT_EQ(finding.verdict, Verdict::kBad);
-  EXPECT_THAT(finding.text, HasSubstr("principal points"));
+  ExpectBad(parts, Question::kSides, "principal points");
 }
 
 TEST(CheckInputs, MeasuresHowFarRowsAreOff) {
@@ -171,12 +160,10 @@ TEST(CheckInputs, MeasuresHowFarRowsAreOff) {
 
 TEST(CheckInputs, SeesARoll) {
   const double angle = 0.7 * CV_PI / 180;
-  const Finding finding =
-      Moved({std::cos(angle), -std::sin(angle), 320 * (1 - std::cos(angle)) + 240 * std::sin(angle),
-             std::sin(angle), std::cos(angle), 240 * (1 - std::cos(angle)) - 320 * std::sin(angle)})
-          .Answer(Question::kRows);
-  EXPECT_EQ(finding.verdict, Verdict::kBad);
-  EXPECT_THAT(finding.text, HasSubstr("roll +0.7"));
+  ExpectBad(Moved({std::cos(angle), -std::sin(angle),
+                   320 * (1 - std::cos(angle)) + 240 * std::sin(angle), std::sin(angle),
+                   std::cos(angle), 240 * (1 - std::cos(angle)) - 320 * std::sin(angle)}),
+            Question::kRows, "roll +0.7");
 }
 
 TEST(CheckInputs, NamesTheUnitOfRanges) {
@@ -205,7 +192,7 @@ TEST(CheckInputs, TakesADevicesOwnErrorForGood) {
   for (const double error_m : {-0.03, 0.03}) {
     Parts parts = SceneOf();
     parts.tof.depth_m += error_m;
-    EXPECT_THAT(BadText(parts.Check()), IsEmpty());
+    EXPECT_THAT(BadText(parts.Check()), testing::IsEmpty());
     EXPECT_THAT(parts.Answer(Question::kScale).text, HasSubstr(error_m > 0 ? "(+" : "(-"));
   }
 }
@@ -216,9 +203,7 @@ TEST(CheckInputs, SaysHowARangeImageIsTurned) {
   for (const auto& [axis, text] : {std::pair(0, "upside down"),
                                    std::pair(1, "mirrored left to right"), std::pair(-1, "180°")}) {
     cv::flip(upright, parts.tof.depth_m, axis);
-    const Finding finding = parts.Answer(Question::kPlace);
-    EXPECT_EQ(finding.verdict, Verdict::kBad) << text;
-    EXPECT_THAT(finding.text, HasSubstr(text));
+    ExpectBad(parts, Question::kPlace, text);
   }
   // As a file that was turned: rows are columns, and it lies over the left image.
   cv::rotate(upright, parts.tof.depth_m, cv::ROTATE_90_CLOCKWISE);
@@ -235,9 +220,7 @@ TEST(CheckInputs, SaysHowFarARangeSensorIsDisplaced) {
     Parts parts = SceneOf();
     const Eigen::AngleAxisd off(-5 * M_PI / 180, axis);
     parts.rig.tof.left_from_tof_rotation = off * parts.rig.tof.left_from_tof_rotation;
-    const Finding finding = parts.Answer(Question::kPlace);
-    EXPECT_EQ(finding.verdict, Verdict::kBad) << finding.text;
-    EXPECT_THAT(finding.text, HasSubstr(text));
+    ExpectBad(parts, Question::kPlace, text);
   }
 }
 
@@ -245,17 +228,13 @@ TEST(CheckInputs, SaysThatRangesAreNoise) {
   Parts parts = SceneOf();
   cv::RNG random(1);
   random.fill(parts.tof.depth_m, cv::RNG::UNIFORM, 1.0, 4.0);
-  const Finding finding = parts.Answer(Question::kHits);
-  EXPECT_EQ(finding.verdict, Verdict::kBad);
-  EXPECT_THAT(finding.text, HasSubstr("% of the ranges side by side differ by more than a tenth"));
+  ExpectBad(parts, Question::kHits, "% of the ranges side by side differ by more than a tenth");
 }
 
 TEST(CheckInputs, SaysThatRangesAreOfAnotherMoment) {
   Parts parts = SceneOf();
   parts.rig.tof.left_from_tof_translation_m.z() += 0.5;  // as if the rig had moved on meanwhile
-  const Finding finding = parts.Answer(Question::kMoment);
-  EXPECT_EQ(finding.verdict, Verdict::kBad) << finding.text;
-  EXPECT_THAT(finding.text, HasSubstr("further back"));
+  ExpectBad(parts, Question::kMoment, "further back");
 }
 
 // A road whose disparity grows from row to row, and a lidar of eight beams 60 rows apart: between
@@ -354,18 +333,14 @@ TEST(CheckInputs, SaysThatImagesAreWhite) {
   Parts parts = SceneOf();
   EXPECT_EQ(parts.Answer(Question::kBits).verdict, Verdict::kGood);
   parts.left = cv::Mat(parts.left * 4);
-  const Finding finding = parts.Answer(Question::kBits);
-  EXPECT_EQ(finding.verdict, Verdict::kBad);
-  EXPECT_THAT(finding.text, HasSubstr("% of the pixels are white"));
+  ExpectBad(parts, Question::kBits, "% of the pixels are white");
 }
 
 TEST(CheckInputs, SaysThatImagesUseFewBits) {
   Parts parts = SceneOf();
   parts.left /= 64;
   parts.right /= 64;
-  const Finding finding = parts.Answer(Question::kBits);
-  EXPECT_EQ(finding.verdict, Verdict::kBad);
-  EXPECT_THAT(finding.text, HasSubstr("10 or 12 bits in 16"));
+  ExpectBad(parts, Question::kBits, "10 or 12 bits in 16");
 }
 
 TEST(CheckInputs, SaysWhatSizeIsAllowed) {

@@ -13,9 +13,7 @@ using testing::HasSubstr;
 TEST(CheckInputs, SaysThatLeftAndRightAreSwapped) {
   Parts parts = SceneOf();
   std::swap(parts.left, parts.right);
-  const Finding finding = parts.Answer(Question::kSides);
-  EXPECT_EQ(finding.verdict, Verdict::kBad);
-  EXPECT_THAT(finding.text, HasSubstr("swapped"));
+  ExpectBad(parts, Question::kSides, "swapped");
   EXPECT_EQ(parts.Answer(Question::kScene).verdict, Verdict::kGood);
 }
 
@@ -103,9 +101,7 @@ TEST(CheckInputs, SaysThatOneFileIsGivenTwice) {
   cv::Mat1b noise(parts.left.size());
   cv::RNG(2).fill(noise, cv::RNG::UNIFORM, 0, 5);
   parts.right = parts.left + noise;
-  const Finding finding = parts.Answer(Question::kSides);
-  EXPECT_EQ(finding.verdict, Verdict::kBad);
-  EXPECT_THAT(finding.text, HasSubstr("same picture"));
+  ExpectBad(parts, Question::kSides, "same picture");
 }
 
 }  // namespace

@@ -5,8 +5,6 @@
 namespace sprout::inputs {
 namespace {
 
-using testing::HasSubstr;
-
 Findings FrameThatSays(Verdict verdict, double value) {
   return {{.question = Question::kRows,
            .verdict = verdict,
@@ -22,7 +20,7 @@ TEST(Findings, OfSeveralFramesAreBadWhenMostSaySo) {
   ASSERT_EQ(bad.size(), 1U);
   EXPECT_EQ(bad[0].verdict, Verdict::kBad);
   EXPECT_EQ(bad[0].value, 4);
-  EXPECT_THAT(bad[0].text, HasSubstr("3 of 5 frames"));
+  EXPECT_THAT(bad[0].text, testing::HasSubstr("3 of 5 frames"));
 }
 
 TEST(Findings, OfOneFrameAmongManyAreNotEnough) {

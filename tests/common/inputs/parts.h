@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gmock/gmock.h>
+
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <string>
@@ -22,11 +24,15 @@ struct Parts {
 };
 
 inline Parts SceneOf(const std::string& source = "synthetic:640x480?tof=grid", int64_t index = 0) {
-  CaptureConfig config = LoadConfig({}).capture();
-  config.set_source(source);
-  const auto dataset = scenes::OpenDataset(config);
+  const auto dataset = scenes::OpenDataset(source);
   const scenes::DatasetFrame frame = dataset->Get(index);
   return {ToGrey(frame.left).clone(), ToGrey(frame.right).clone(), frame.tof, dataset->rig()};
+}
+
+inline void ExpectBad(const Parts& parts, Question question, const std::string& text) {
+  const Finding finding = parts.Answer(question);
+  EXPECT_EQ(finding.verdict, Verdict::kBad) << finding.text;
+  EXPECT_THAT(finding.text, testing::HasSubstr(text));
 }
 
 }  // namespace sprout::inputs

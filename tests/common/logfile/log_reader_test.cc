@@ -6,6 +6,7 @@
 
 #include "common/logfile/event_fetcher.h"
 #include "tests/common/logfile/sample_log.h"
+#include "tests/common/testing/test_with_folder.h"
 #include "tests/common/testing/thrown.h"
 
 namespace sprout {
@@ -14,17 +15,18 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-TEST(LogReader, ReadsWhatLogWriterWrites) {
+class LogReaderTest : public TestWithFolder {};
+
+TEST_F(LogReaderTest, ReadsWhatLogWriterWrites) {
   std::vector<Event> events = SampleEvents(50);
   const LogContent content = ReadLog(MakeLog(events));
   EXPECT_EQ(content.events, events);
   EXPECT_THAT(content.damage, IsEmpty());
 }
 
-TEST(LogReader, ReadsWhatLcmWrites) {
-  const TemporaryDirectory folder;
+TEST_F(LogReaderTest, ReadsWhatLcmWrites) {
   std::vector<Event> events = SampleEvents(20);
-  lcm_eventlog_t* const log = lcm_eventlog_create((folder / "log").c_str(), "w");
+  lcm_eventlog_t* const log = lcm_eventlog_create((folder_ / "log").c_str(), "w");
   for (Event& event : events) {
     lcm_eventlog_event_t written = {.eventnum = 0,
                                     .timestamp = event.utime,
@@ -36,10 +38,10 @@ TEST(LogReader, ReadsWhatLcmWrites) {
   }
   lcm_eventlog_destroy(log);
   MakeLog(events);  // numbers and offsets
-  EXPECT_EQ(ReadLog(folder / "log").events, events);
+  EXPECT_EQ(ReadLog(folder_ / "log").events, events);
 }
 
-TEST(LogReader, ReadsEventsLongerThanItsWindow) {
+TEST_F(LogReaderTest, ReadsEventsLongerThanItsWindow) {
   std::vector<Event> events = SampleEvents(6);
   events[1].data.assign(5 << 20, 17);
   events[3].data.assign((1 << 20) - 28, 18);
@@ -62,12 +64,11 @@ TEST(EventFetcher, GetsEventsAgainInAnyOrder) {
   EXPECT_THROW(fetcher.Fetch(events[11].end()), LogError);
 }
 
-TEST(LogReader, TellsHowFarItIs) {
-  const TemporaryDirectory folder;
+TEST_F(LogReaderTest, TellsHowFarItIs) {
   std::vector<Event> events = SampleEvents(3);
   const Bytes bytes = MakeLog(events);
-  WriteBytes(folder / "log", bytes);
-  LogReader reader(folder / "log");
+  WriteBytes(folder_ / "log", bytes);
+  LogReader reader(folder_ / "log");
   EXPECT_EQ(reader.size(), static_cast<int64_t>(bytes.size()));
   EXPECT_EQ(reader.position(), 0);
   LogEvent event;
@@ -75,13 +76,13 @@ TEST(LogReader, TellsHowFarItIs) {
   EXPECT_EQ(reader.position(), events[1].offset);
 }
 
-TEST(LogReader, TakesAFileWithoutBytesForALogWithoutEvents) {
+TEST_F(LogReaderTest, TakesAFileWithoutBytesForALogWithoutEvents) {
   const LogContent content = ReadLog(Bytes());
   EXPECT_THAT(content.events, IsEmpty());
   EXPECT_THAT(content.damage, IsEmpty());
 }
 
-TEST(LogReader, ReadsLogsOneBehindTheOther) {
+TEST_F(LogReaderTest, ReadsLogsOneBehindTheOther) {
   std::vector<Event> events = SampleEvents(20);
   Bytes bytes = MakeLog(events);
   const Bytes once = bytes;
@@ -95,26 +96,24 @@ std::string ErrorOfOpening(const std::filesystem::path& path) {
   return Thrown<LogError>([&] { const LogReader reader(path); });
 }
 
-TEST(LogReader, RefusesWhatIsNoLog) {
-  const TemporaryDirectory folder;
-  std::ofstream(folder / "text") << std::string(100'000, 'x');
-  EXPECT_EQ(ErrorOfOpening(folder / "text"), (folder / "text").string() + ": not an LCM log");
-  EXPECT_THAT(ErrorOfOpening(folder / ""), HasSubstr("not a file"));
+TEST_F(LogReaderTest, RefusesWhatIsNoLog) {
+  std::ofstream(folder_ / "text") << std::string(100'000, 'x');
+  EXPECT_EQ(ErrorOfOpening(folder_ / "text"), (folder_ / "text").string() + ": not an LCM log");
+  EXPECT_THAT(ErrorOfOpening(folder_ / ""), HasSubstr("not a file"));
   EXPECT_THAT(ErrorOfOpening("/dev/zero"), HasSubstr("not a file"));
-  ASSERT_EQ(mkfifo((folder / "fifo").c_str(), 0600), 0);
-  EXPECT_THAT(ErrorOfOpening(folder / "fifo"), HasSubstr("not a file"));
-  EXPECT_THAT(ErrorOfOpening(folder / "none"), HasSubstr("No such file"));
+  ASSERT_EQ(mkfifo((folder_ / "fifo").c_str(), 0600), 0);
+  EXPECT_THAT(ErrorOfOpening(folder_ / "fifo"), HasSubstr("not a file"));
+  EXPECT_THAT(ErrorOfOpening(folder_ / "none"), HasSubstr("No such file"));
 }
 
-TEST(LogReader, SaysWhenTheFileBecomesShorter) {
-  const TemporaryDirectory folder;
+TEST_F(LogReaderTest, SaysWhenTheFileBecomesShorter) {
   std::vector<Event> events = SampleEvents(6);
   events[5].data.assign(5 << 20, 17);
-  WriteBytes(folder / "log", MakeLog(events));
-  LogReader reader(folder / "log");
+  WriteBytes(folder_ / "log", MakeLog(events));
+  LogReader reader(folder_ / "log");
   LogEvent event;
   ASSERT_TRUE(reader.Next(event));
-  std::filesystem::resize_file(folder / "log", static_cast<uintmax_t>(events[5].offset));
+  std::filesystem::resize_file(folder_ / "log", static_cast<uintmax_t>(events[5].offset));
   const auto read_on = [&] {
     while (reader.Next(event)) {
     }

@@ -7,6 +7,7 @@
 #include "common/ros/mcap_reader.h"
 #include "common/ros/mcap_writer.h"
 #include "tests/common/logfile/sample_log.h"
+#include "tests/common/testing/test_with_folder.h"
 
 namespace sprout {
 namespace {
@@ -55,13 +56,14 @@ std::vector<uint64_t> Times(uint64_t begin, uint64_t end, uint64_t step) {
   return times;
 }
 
-TEST(McapOrder, IsThatOfTheLogTimes) {
-  const TemporaryDirectory folder;
+class McapOrderTest : public TestWithFolder {};
+
+TEST_F(McapOrderTest, IsThatOfTheLogTimes) {
   // Odd ones behind even ones, and one topic backwards.
   std::vector<uint64_t> backwards = Times(202, 240, 3);
   std::ranges::reverse(backwards);
-  WriteTopicByTopic(folder / "file", {Times(0, 200, 2), Times(1, 200, 2), backwards});
-  McapReader reader(folder / "file");
+  WriteTopicByTopic(folder_ / "file", {Times(0, 200, 2), Times(1, 200, 2), backwards});
+  McapReader reader(folder_ / "file");
   const Read read = ReadAll(reader);
   EXPECT_EQ(read.times.size(), 200 + backwards.size());
   EXPECT_TRUE(std::ranges::is_sorted(read.times));
@@ -70,32 +72,29 @@ TEST(McapOrder, IsThatOfTheLogTimes) {
   EXPECT_GT(reader.chunks(), 40);
 }
 
-TEST(McapOrder, OfOneTimeIsThatOfTheFile) {
-  const TemporaryDirectory folder;
-  WriteTopicByTopic(folder / "file", {{7, 7, 7}, {7, 7, 7}, {7}}, 100);
-  McapReader reader(folder / "file");
+TEST_F(McapOrderTest, OfOneTimeIsThatOfTheFile) {
+  WriteTopicByTopic(folder_ / "file", {{7, 7, 7}, {7, 7, 7}, {7}}, 100);
+  McapReader reader(folder_ / "file");
   EXPECT_THAT(ReadAll(reader).topics, ElementsAre("/topic0", "/topic0", "/topic0", "/topic1",
                                                   "/topic1", "/topic1", "/topic2"));
 }
 
 // Chunks that all overlap do not all stay in memory.
-TEST(McapOrder, IsTheSameWithLittleMemory) {
-  const TemporaryDirectory folder;
+TEST_F(McapOrderTest, IsTheSameWithLittleMemory) {
   std::vector<std::vector<uint64_t>> topics;
   for (uint64_t i = 0; i < 20; ++i) topics.push_back(Times(i, 200, 20));
-  WriteTopicByTopic(folder / "file", topics, 2000);
-  McapReader reader({fs::path(folder / "file")}, /*most_unpacked_bytes=*/3000);
+  WriteTopicByTopic(folder_ / "file", topics, 2000);
+  McapReader reader({fs::path(folder_ / "file")}, /*most_unpacked_bytes=*/3000);
   EXPECT_EQ(ReadAll(reader).times, Times(0, 200, 1));
   EXPECT_THAT(reader.trouble(), IsEmpty());
 }
 
-TEST(McapOrder, IsThatOfAllParts) {
-  const TemporaryDirectory folder;
-  fs::create_directory(folder / "bag");
-  WriteTopicByTopic(folder / "bag/bag_0.mcap", {Times(0, 100, 2)});
-  WriteTopicByTopic(folder / "bag/bag_1.mcap", {Times(100, 200, 2), Times(1, 200, 2)});
-  std::ofstream(folder / "bag/._bag_0.mcap") << "Mac OS X";
-  const std::string bag = folder / "bag";
+TEST_F(McapOrderTest, IsThatOfAllParts) {
+  fs::create_directory(folder_ / "bag");
+  WriteTopicByTopic(folder_ / "bag/bag_0.mcap", {Times(0, 100, 2)});
+  WriteTopicByTopic(folder_ / "bag/bag_1.mcap", {Times(100, 200, 2), Times(1, 200, 2)});
+  std::ofstream(folder_ / "bag/._bag_0.mcap") << "Mac OS X";
+  const std::string bag = folder_ / "bag";
   for (const std::string& name : {bag, bag + "/bag_1.mcap," + bag + "/bag_0.mcap"}) {
     McapReader reader(McapParts(name));
     EXPECT_EQ(ReadAll(reader).times, Times(0, 200, 1)) << name;
@@ -104,9 +103,9 @@ TEST(McapOrder, IsThatOfAllParts) {
                                              McapTopic{"/topic1", "a/msg/B", "cdr"}));
   }
   // Of two parts trouble says which one has it.
-  Bytes torn = ReadBytes(folder / "bag/bag_1.mcap");
+  Bytes torn = ReadBytes(folder_ / "bag/bag_1.mcap");
   torn.resize(torn.size() / 2);
-  WriteBytes(folder / "bag/bag_1.mcap", torn);
+  WriteBytes(folder_ / "bag/bag_1.mcap", torn);
   McapReader reader(McapParts(bag));
   EXPECT_GT(ReadAll(reader).times.size(), 50U);
   EXPECT_THAT(reader.trouble(), ElementsAre(HasSubstr("bag_1.mcap: byte ")));
@@ -119,45 +118,44 @@ void Pack(const fs::path& from, const fs::path& to) {
   WriteBytes(to, packed);
 }
 
-TEST(McapParts, AreThoseThatMetadataNames) {
-  const TemporaryDirectory folder;
-  WriteTopicByTopic(folder / "bag_0.mcap", {Times(0, 100, 1)});
-  WriteTopicByTopic(folder / "bag_1.mcap", {Times(100, 200, 1)});
-  WriteTopicByTopic(folder / "another.mcap", {Times(0, 5, 1)});
-  std::ofstream(folder / "metadata.yaml")
+class McapPartsTest : public TestWithFolder {};
+
+TEST_F(McapPartsTest, AreThoseThatMetadataNames) {
+  WriteTopicByTopic(folder_ / "bag_0.mcap", {Times(0, 100, 1)});
+  WriteTopicByTopic(folder_ / "bag_1.mcap", {Times(100, 200, 1)});
+  WriteTopicByTopic(folder_ / "another.mcap", {Times(0, 5, 1)});
+  std::ofstream(folder_ / "metadata.yaml")
       << "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: mcap\n"
          "  relative_file_paths:\n    - bag_0.mcap.zstd\n    - bag_1.mcap.zstd\n"
          "  compression_format: zstd\n  compression_mode: FILE\n";
   // One is packed, one was unpacked by a player.
-  Pack(folder / "bag_0.mcap", folder / "bag_0.mcap.zstd");
-  fs::remove(folder / "bag_0.mcap");
-  McapReader reader(McapParts((folder / "").string()));
+  Pack(folder_ / "bag_0.mcap", folder_ / "bag_0.mcap.zstd");
+  fs::remove(folder_ / "bag_0.mcap");
+  McapReader reader(McapParts((folder_ / "").string()));
   EXPECT_EQ(ReadAll(reader).times, Times(0, 200, 1));
-  fs::remove(folder / "bag_1.mcap");
-  EXPECT_THAT([&] { McapParts((folder / "").string()); },
+  fs::remove(folder_ / "bag_1.mcap");
+  EXPECT_THAT([&] { McapParts((folder_ / "").string()); },
               testing::ThrowsMessage<ConfigError>(
                   HasSubstr("metadata.yaml names bag_1.mcap.zstd, which is not there")));
 }
 
-TEST(McapParts, OfAFilePackedAsAWholeAreAllThatIsWhole) {
-  const TemporaryDirectory folder;
-  WriteTopicByTopic(folder / "file", {Times(0, 20000, 1)}, 5000);
-  Pack(folder / "file", folder / "file.mcap.zstd");
-  McapReader reader(fs::path(folder / "file.mcap.zstd"));
+TEST_F(McapPartsTest, OfAFilePackedAsAWholeAreAllThatIsWhole) {
+  WriteTopicByTopic(folder_ / "file", {Times(0, 20000, 1)}, 5000);
+  Pack(folder_ / "file", folder_ / "file.mcap.zstd");
+  McapReader reader(fs::path(folder_ / "file.mcap.zstd"));
   EXPECT_EQ(ReadAll(reader).times, Times(0, 20000, 1));
   EXPECT_THAT(reader.trouble(), IsEmpty());
-  Bytes torn = ReadBytes(folder / "file.mcap.zstd");
+  Bytes torn = ReadBytes(folder_ / "file.mcap.zstd");
   torn.resize(torn.size() / 2);
-  WriteBytes(folder / "file.mcap.zstd", torn);
-  McapReader torn_reader(fs::path(folder / "file.mcap.zstd"));
+  WriteBytes(folder_ / "file.mcap.zstd", torn);
+  McapReader torn_reader(fs::path(folder_ / "file.mcap.zstd"));
   EXPECT_GT(ReadAll(torn_reader).times.size(), 100U);
   EXPECT_THAT(torn_reader.trouble(), testing::Contains(HasSubstr("the packed file ends")));
 }
 
-TEST(McapParts, OfAFilePackedAsAWholeMayHaveAnySize) {
-  const TemporaryDirectory folder;
-  WriteTopicByTopic(folder / "file", {Times(0, 2000, 1)}, 5000);
-  const Bytes bytes = ReadBytes(folder / "file");
+TEST_F(McapPartsTest, OfAFilePackedAsAWholeMayHaveAnySize) {
+  WriteTopicByTopic(folder_ / "file", {Times(0, 2000, 1)}, 5000);
+  const Bytes bytes = ReadBytes(folder_ / "file");
   // An unknown record behind the magic makes it as long as whole blocks of zstd.
   constexpr size_t kMagic = 8;
   constexpr size_t kHead = 9;
@@ -169,28 +167,27 @@ TEST(McapParts, OfAFilePackedAsAWholeMayHaveAnySize) {
   padded.resize(padded.size() + more);
   padded.insert(padded.end(), bytes.begin() + kMagic, bytes.end());
   ASSERT_EQ(padded.size() % block, 0U);
-  WriteBytes(folder / "padded", padded);
-  Pack(folder / "padded", folder / "file.mcap.zstd");
-  McapReader reader(fs::path(folder / "file.mcap.zstd"));
+  WriteBytes(folder_ / "padded", padded);
+  Pack(folder_ / "padded", folder_ / "file.mcap.zstd");
+  McapReader reader(fs::path(folder_ / "file.mcap.zstd"));
   EXPECT_EQ(ReadAll(reader).times, Times(0, 2000, 1));
   EXPECT_THAT(reader.trouble(), IsEmpty());
 }
 
-TEST(McapParts, OfOtherBagsSayWhatMakesMcapOfThem) {
-  const TemporaryDirectory folder;
-  fs::create_directory(folder / "bag");
-  std::ofstream(folder / "bag/bag_0.db3") << "SQLite format 3";
+TEST_F(McapPartsTest, OfOtherBagsSayWhatMakesMcapOfThem) {
+  fs::create_directory(folder_ / "bag");
+  std::ofstream(folder_ / "bag/bag_0.db3") << "SQLite format 3";
   EXPECT_THAT(
-      [&] { McapParts((folder / "bag").string()); },
+      [&] { McapParts((folder_ / "bag").string()); },
       testing::ThrowsMessage<ConfigError>(HasSubstr("SQLite; make MCAP of it with ros2 bag")));
-  EXPECT_THAT([&] { McapReader(fs::path(folder / "bag/bag_0.db3")); },
+  EXPECT_THAT([&] { McapReader(fs::path(folder_ / "bag/bag_0.db3")); },
               testing::ThrowsMessage<ConfigError>(HasSubstr("no MCAP file: a bag in SQLite")));
-  std::ofstream(folder / "a.bag") << "#ROSBAG V2.0\n";
-  EXPECT_THAT([&] { McapReader(fs::path(folder / "a.bag")); },
+  std::ofstream(folder_ / "a.bag") << "#ROSBAG V2.0\n";
+  EXPECT_THAT([&] { McapReader(fs::path(folder_ / "a.bag")); },
               testing::ThrowsMessage<ConfigError>(HasSubstr("rosbags-convert")));
-  WriteBytes(folder / "packed.mcap.zstd", Bytes());
-  Pack(folder / "a.bag", folder / "packed.mcap.zstd");
-  EXPECT_THAT([&] { McapReader(fs::path(folder / "packed.mcap.zstd")); },
+  WriteBytes(folder_ / "packed.mcap.zstd", Bytes());
+  Pack(folder_ / "a.bag", folder_ / "packed.mcap.zstd");
+  EXPECT_THAT([&] { McapReader(fs::path(folder_ / "packed.mcap.zstd")); },
               testing::ThrowsMessage<ConfigError>(HasSubstr("no MCAP file in it")));
 }
 

@@ -6,6 +6,7 @@
 #include "common/ros/mcap_reader.h"
 #include "common/ros/mcap_writer.h"
 #include "tests/common/logfile/sample_log.h"
+#include "tests/common/testing/test_with_folder.h"
 
 namespace sprout {
 namespace {
@@ -57,11 +58,12 @@ Bytes MakeMcap(const TemporaryDirectory& folder, McapCompression compression) {
 constexpr McapCompression kCompressions[] = {McapCompression::kNone, McapCompression::kZstd,
                                              McapCompression::kLz4};
 
-TEST(Mcap, GivesBackWhatWasWritten) {
-  const TemporaryDirectory folder;
+class McapTest : public TestWithFolder {};
+
+TEST_F(McapTest, GivesBackWhatWasWritten) {
   for (const McapCompression compression : kCompressions) {
-    MakeMcap(folder, compression);
-    McapReader reader(folder / "made");
+    MakeMcap(folder_, compression);
+    McapReader reader(folder_ / "made");
     int count = 0;
     for (McapMessage message; reader.Next(message); ++count) {
       EXPECT_EQ(message.channel->topic, count % 3 == 0 ? "/second" : "/first");
@@ -78,9 +80,8 @@ TEST(Mcap, GivesBackWhatWasWritten) {
   }
 }
 
-TEST(Mcap, TheSameMessagesGiveTheSameBytes) {
-  const TemporaryDirectory folder;
-  EXPECT_EQ(MakeMcap(folder, McapCompression::kZstd), MakeMcap(folder, McapCompression::kZstd));
+TEST_F(McapTest, TheSameMessagesGiveTheSameBytes) {
+  EXPECT_EQ(MakeMcap(folder_, McapCompression::kZstd), MakeMcap(folder_, McapCompression::kZstd));
 }
 
 // Where records of the outer level begin, by opcode and length alone.
@@ -97,11 +98,10 @@ std::vector<std::pair<McapOpcode, size_t>> Borders(const Bytes& file) {
 }
 
 // Of a file that was torn off, every message of its whole chunks is there, and one line says so.
-TEST(Mcap, GivesAllThatIsWholeOfATornFile) {
-  const TemporaryDirectory folder;
+TEST_F(McapTest, GivesAllThatIsWholeOfATornFile) {
   for (const McapCompression compression : kCompressions) {
-    const Bytes whole = MakeMcap(folder, compression);
-    const Content all = ReadMcap(folder / "made");
+    const Bytes whole = MakeMcap(folder_, compression);
+    const Content all = ReadMcap(folder_ / "made");
     // Messages of the chunks that end up to a byte.
     std::vector<std::pair<size_t, size_t>> chunk_ends;  // byte, messages
     const auto borders = Borders(whole);
@@ -109,10 +109,10 @@ TEST(Mcap, GivesAllThatIsWholeOfATornFile) {
     for (size_t i = 0; i < borders.size(); ++i) {
       if (borders[i].first == McapOpcode::kDataEnd) data_end = borders[i + 1].second;
       if (borders[i].first == McapOpcode::kChunk) {
-        WriteBytes(folder / "torn",
+        WriteBytes(folder_ / "torn",
                    Bytes(whole.begin(),
                          whole.begin() + static_cast<std::ptrdiff_t>(borders[i + 1].second)));
-        chunk_ends.emplace_back(borders[i + 1].second, ReadMcap(folder / "torn").messages.size());
+        chunk_ends.emplace_back(borders[i + 1].second, ReadMcap(folder_ / "torn").messages.size());
       }
     }
     ASSERT_EQ(chunk_ends.back().second, 120U);
@@ -125,9 +125,9 @@ TEST(Mcap, GivesAllThatIsWholeOfATornFile) {
       places.push_back(kMcapMagic.size() + i * (whole.size() - kMcapMagic.size()) / others);
     }
     for (const size_t place : places) {
-      WriteBytes(folder / "torn",
+      WriteBytes(folder_ / "torn",
                  Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(place)));
-      const Content torn = ReadMcap(folder / "torn");
+      const Content torn = ReadMcap(folder_ / "torn");
       size_t expected = 0;
       for (const auto& [end, count] : chunk_ends) expected = end <= place ? count : expected;
       ASSERT_EQ(torn.messages.size(), expected) << place;
@@ -137,45 +137,44 @@ TEST(Mcap, GivesAllThatIsWholeOfATornFile) {
   }
 }
 
-TEST(Mcap, GoesOnBehindAChunkThatIsDamaged) {
-  const TemporaryDirectory folder;
+TEST_F(McapTest, GoesOnBehindAChunkThatIsDamaged) {
   for (const McapCompression compression : kCompressions) {
-    Bytes file = MakeMcap(folder, compression);
+    Bytes file = MakeMcap(folder_, compression);
     const auto borders = Borders(file);
     const auto chunk =
         std::ranges::find(borders, McapOpcode::kChunk, &std::pair<McapOpcode, size_t>::first);
     const auto next = std::next(chunk);
     file[next->second - 20] ^= 0x40;
-    WriteBytes(folder / "damaged", file);
+    WriteBytes(folder_ / "damaged", file);
     // The first chunk has the channels, but so has the summary.
-    const Content content = ReadMcap(folder / "damaged");
+    const Content content = ReadMcap(folder_ / "damaged");
     EXPECT_GT(content.messages.size(), 80U);
     EXPECT_EQ(content.trouble.size(), 1U);
     // Torn off in front of it, nothing is known of the rest.
     file.resize(
         std::ranges::find(borders, McapOpcode::kDataEnd, &std::pair<McapOpcode, size_t>::first)
             ->second);
-    WriteBytes(folder / "damaged", file);
-    const Content torn = ReadMcap(folder / "damaged");
+    WriteBytes(folder_ / "damaged", file);
+    const Content torn = ReadMcap(folder_ / "damaged");
     EXPECT_THAT(torn.messages, IsEmpty());
     EXPECT_THAT(torn.trouble, testing::Contains(HasSubstr("chunk")));
   }
-  Bytes file = MakeMcap(folder, McapCompression::kZstd);
+  Bytes file = MakeMcap(folder_, McapCompression::kZstd);
   const auto borders = Borders(file);
   std::vector<size_t> chunks;
   for (const auto& [opcode, at] : borders) {
     if (opcode == McapOpcode::kChunk) chunks.push_back(at);
   }
   file[chunks[3] + kRecordHead + 24] ^= 1;  // its CRC
-  WriteBytes(folder / "damaged", file);
-  const Content content = ReadMcap(folder / "damaged");
+  WriteBytes(folder_ / "damaged", file);
+  const Content content = ReadMcap(folder_ / "damaged");
   EXPECT_GT(content.messages.size(), 80U);
   EXPECT_LT(content.messages.size(), 120U);
   EXPECT_THAT(content.trouble,
               ElementsAre("byte " + std::to_string(chunks[3]) + ": chunk: its CRC is another"));
 }
 
-TEST(Mcap, TakesNoMemoryForAChunkThatCannotBe) {
+TEST_F(McapTest, TakesNoMemoryForAChunkThatCannotBe) {
   Bytes packed(100);
   EXPECT_THAT(UnpackChunk("zstd", packed, kMaxMcapChunkBytes + 1).error().text,
               HasSubstr("allowed are up to 1073741824"));
@@ -204,48 +203,45 @@ void InsertRecord(const std::filesystem::path& path, const Bytes& file, uint8_t 
   ASSERT_TRUE(out.flush());
 }
 
-TEST(Mcap, SkipsAttachmentsAndWhatItDoesNotKnowByTheirLength) {
+TEST_F(McapTest, SkipsAttachmentsAndWhatItDoesNotKnowByTheirLength) {
   constexpr uint64_t kBytes = uint64_t{3} << 30;
   constexpr int64_t kLittle = int64_t{100} << 20;
-  const TemporaryDirectory folder;
-  const Bytes file = MakeMcap(folder, McapCompression::kZstd);
+  const Bytes file = MakeMcap(folder_, McapCompression::kZstd);
   const int64_t before = PeakMemory();
   for (const int opcode : {0x00, 0x08, 0x09, 0x0A, 0x0D, 0x10, 0x80, 0xFF}) {
-    InsertRecord(folder / "long", file, static_cast<uint8_t>(opcode), kBytes);
-    const Content content = ReadMcap(folder / "long");
+    InsertRecord(folder_ / "long", file, static_cast<uint8_t>(opcode), kBytes);
+    const Content content = ReadMcap(folder_ / "long");
     EXPECT_EQ(content.messages.size(), 120U) << opcode;
     EXPECT_THAT(content.trouble, IsEmpty()) << opcode;
   }
   // Messages of this size are none.
-  InsertRecord(folder / "long", file, 0x05, kBytes);
-  const Content content = ReadMcap(folder / "long");
+  InsertRecord(folder_ / "long", file, 0x05, kBytes);
+  const Content content = ReadMcap(folder_ / "long");
   EXPECT_EQ(content.messages.size(), 120U);
   EXPECT_THAT(content.trouble, ElementsAre(HasSubstr("a record of 3221225472 bytes: allowed")));
   EXPECT_LT(PeakMemory() - before, kLittle);
 }
 
-TEST(Mcap, EndsWhereNothingWasWritten) {
-  const TemporaryDirectory folder;
-  Bytes bytes = MakeMcap(folder, McapCompression::kNone);
+TEST_F(McapTest, EndsWhereNothingWasWritten) {
+  Bytes bytes = MakeMcap(folder_, McapCompression::kNone);
   const size_t whole = bytes.size();
   bytes.resize(whole / 2);
-  WriteBytes(folder / "torn", bytes);
-  const Content torn = ReadMcap(folder / "torn");
+  WriteBytes(folder_ / "torn", bytes);
+  const Content torn = ReadMcap(folder_ / "torn");
   ASSERT_THAT(torn.messages, testing::Not(IsEmpty()));
   // The end of a record that was cut is zeros now, and then come records of nothing.
   bytes.resize(whole + 1'000'000);
-  WriteBytes(folder / "zeros", bytes);
-  const Content zeros = ReadMcap(folder / "zeros");
+  WriteBytes(folder_ / "zeros", bytes);
+  const Content zeros = ReadMcap(folder_ / "zeros");
   EXPECT_GE(zeros.messages.size(), torn.messages.size());
   EXPECT_THAT(zeros.trouble, testing::Contains(HasSubstr("no record, 1")));
 }
 
-TEST(Mcap, IsRefusedWhenItIsNone) {
-  const TemporaryDirectory folder;
-  EXPECT_THROW(McapReader(folder / "nothing"), ConfigError);
+TEST_F(McapTest, IsRefusedWhenItIsNone) {
+  EXPECT_THROW(McapReader(folder_ / "nothing"), ConfigError);
   std::vector<Event> events = SampleEvents(3);
-  WriteBytes(folder / "log", MakeLog(events));
-  EXPECT_THROW(McapReader(folder / "log"), ConfigError);
+  WriteBytes(folder_ / "log", MakeLog(events));
+  EXPECT_THROW(McapReader(folder_ / "log"), ConfigError);
 }
 
 }  // namespace
