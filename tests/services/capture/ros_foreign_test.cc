@@ -10,7 +10,6 @@
 namespace sprout::capture {
 namespace {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
@@ -34,8 +33,7 @@ Opened OpenAll(const std::string& source) {
 void AddPairs(RosRecording& file, int count) {
   for (int i = 0; i < count; ++i) {
     const auto time = static_cast<uint64_t>(i) * kFrameNs;
-    file.AddImage("/left/image", kStart + 100'000 * i, Grey(i), time);
-    file.AddImage("/right/image", kStart + 100'000 * i, Grey(i), time);
+    file.AddPair(kStart + 100'000 * i, Grey(i), time);
   }
 }
 
@@ -100,7 +98,7 @@ TEST(RosForeign, MessagesMayBePackedOneByOne) {
   file.AddImage("/left/image", kStart + 300'000, Grey(3), 3 * kFrameNs);
   const Opened opened = OpenAll(file.Source());
   EXPECT_EQ(opened.frames.size(), 3U);
-  EXPECT_THAT(opened.told, ElementsAre(HasSubstr("/left/image: message: ")));
+  EXPECT_THAT(opened.told, testing::ElementsAre(HasSubstr("/left/image: message: ")));
 }
 
 // A bag of ROS 1 that a tool has wrapped in MCAP has every topic, but not one message for us.
@@ -252,8 +250,7 @@ TEST(RosForeign, ARawRangeImageNeedsNoP) {
 
 TEST(RosForeign, ImagesAndRangesMayBeCompressed) {
   const Rig rig = examples::Rig();
-  RosRecording file;
-  file.AddCalibration(rig);
+  RosRecording file(rig);
   const auto add = [&](const std::string& topic, const std::string& format, const cv::Mat& image,
                        size_t header) {
     std::vector<uint8_t> png;

@@ -36,6 +36,7 @@ class RosRecording {
   explicit RosRecording(size_t chunk_bytes = size_t{4} << 20)
       : writer_(path(), {.profile = "ros2", .chunk_bytes = chunk_bytes}) {}
   explicit RosRecording(const std::string& path) : writer_(path, {.profile = "ros2"}) {}
+  explicit RosRecording(const Rig& rig) : RosRecording() { AddCalibration(rig); }
 
   /// @param time_ns  of the recording, not of the message.
   void Add(const std::string& topic, const AnyRosMessage& message, uint64_t time_ns = 0) {
@@ -60,6 +61,11 @@ class RosRecording {
                 uint64_t time_ns = 0) {
     const bool is_of_tof = topic.starts_with("/tof/");
     Add(topic, ToRosImage({utime, is_of_tof ? RosFrames().tof : "frame"}, image), time_ns);
+  }
+
+  void AddPair(int64_t utime, const cv::Mat& image, uint64_t time_ns = 0) {
+    AddImage("/left/image", utime, image, time_ns);
+    AddImage("/right/image", utime, image, time_ns);
   }
 
   /// What becomes of the bytes of further messages.

@@ -28,8 +28,7 @@ struct TwoRigs {
       file.Add("/left/camera_info", ToRosLeftInfo({utime, RosFrames().left}, rig.pair));
       file.Add("/right/camera_info", ToRosRightInfo({utime, RosFrames().right}, rig.pair));
       const cv::Mat1b image(rig.pair.size(), static_cast<uint8_t>(i));
-      file.AddImage("/left/image", utime, image);
-      file.AddImage("/right/image", utime, image);
+      file.AddPair(utime, image);
     }
     const auto source = OpenRosSource(file.Source(), told.Options());
     EXPECT_EQ(source->rig().pair.focal_px, first.pair.focal_px);
@@ -67,16 +66,14 @@ TEST(RosSource, ANewRigMayHaveAnotherSize) {
 }
 
 TEST(RosSource, FramesWithoutACalibrationAreLost) {
-  RosRecording file;
   const Rig rig = examples::Rig();
-  file.AddCalibration(rig);
+  RosRecording file(rig);
   for (int i = 0; i < 4; ++i) {
     const int64_t utime = kStart + 100'000 * i;
     RosMessage<RosCameraInfo> info = ToRosLeftInfo({utime, RosFrames().left}, rig.pair);
     if (i == 1) info->p[0] = info->k[0] = 0;  // not calibrated
     file.Add("/left/camera_info", info);
-    file.AddImage("/left/image", utime, Grey(i));
-    file.AddImage("/right/image", utime, Grey(i));
+    file.AddPair(utime, Grey(i));
   }
   Told told;
   EXPECT_EQ(All(*OpenRosSource(file.Source(), told.Options())).size(), 3U);
@@ -86,8 +83,7 @@ TEST(RosSource, FramesWithoutACalibrationAreLost) {
 }
 
 TEST(RosSource, RefusesAnImageOfAnotherSizeAndGoesOn) {
-  RosRecording file;
-  file.AddCalibration(examples::Rig());
+  RosRecording file(examples::Rig());
   for (int i = 0; i < 3; ++i) {
     const int64_t utime = kStart + 100'000 * i;
     file.AddImage("/left/image", utime, i == 1 ? cv::Mat1b(2, 2, uint8_t{1}) : Grey(i));
@@ -104,12 +100,10 @@ TEST(RosSource, RefusesAnImageOfAnotherSizeAndGoesOn) {
 }
 
 TEST(RosSource, RefusesARangeImageOfAnotherSizeAndGoesOnWithoutIt) {
-  RosRecording file;
-  file.AddCalibration(examples::Rig());
+  RosRecording file(examples::Rig());
   for (int i = 0; i < 2; ++i) {
     const int64_t utime = kStart + 100'000 * i;
-    file.AddImage("/left/image", utime, Grey(i));
-    file.AddImage("/right/image", utime, Grey(i));
+    file.AddPair(utime, Grey(i));
     file.AddImage("/depth/image", utime, i == 0 ? cv::Mat1f(4, 3, 2.F) : cv::Mat1f(kSize, 2.F));
   }
   Told told;
@@ -124,15 +118,13 @@ TEST(RosSource, RefusesARangeImageOfAnotherSizeAndGoesOnWithoutIt) {
 
 // Another lidar takes the place of the first one, then one that no transform places.
 TEST(RosSource, TellsOnceThatARangeImageIsOfAnotherFrameThanItsCameraInfo) {
-  RosRecording file;
   const Rig rig = examples::Rig();
-  file.AddCalibration(rig);
+  RosRecording file(rig);
   file.Add("/tof/camera_info", ToRosTofInfo({kStart, RosFrames().tof}, rig.tof));
   const cv::Mat1f depth_m(rig.tof.height, rig.tof.width, 2.F);
   for (int i = 0; i < 3; ++i) {
     const int64_t utime = kStart + 100'000 * i;
-    file.AddImage("/left/image", utime, Grey(i));
-    file.AddImage("/right/image", utime, Grey(i));
+    file.AddPair(utime, Grey(i));
     file.Add("/tof/image", ToRosImage({utime, "tof_link"}, depth_m));
   }
   Told told;
@@ -194,9 +186,8 @@ TEST(RosSource, CountsLiveMessagesThatAreNotTakenInTime) {
 }
 
 TEST(RosSource, PointsStandWhereTheirOwnFrameDoes) {
-  RosRecording file;
   const Rig rig = examples::Rig();
-  file.AddCalibration(rig);
+  RosRecording file(rig);
   RosMessage<RosTransforms> poses;
   const std::span all = ResizeRos(poses->transforms, 2);
   for (const size_t i : {0, 1}) {
@@ -211,8 +202,7 @@ TEST(RosSource, PointsStandWhereTheirOwnFrameDoes) {
   for (int i = 0; i < 4; ++i) {
     const int64_t utime = kStart + 100'000 * i;
     file.Add("/points", ToRosCloud({utime, kFrames[i]}, cloud));
-    file.AddImage("/left/image", utime, Grey(i));
-    file.AddImage("/right/image", utime, Grey(i));
+    file.AddPair(utime, Grey(i));
   }
   Told told;
   const auto frames = All(*OpenRosSource(file.Source("&points=/points"), told.Options()));

@@ -50,8 +50,7 @@ TEST(RosSource, GivesTheFramesAndTheRigThatWereShown) {
 
 // The same scan as KITTI's file and as a cloud placed by /tf_static.
 TEST(RosSource, MakesTheRangeImageOfAScanThatKittiMakes) {
-  const scenes::KittiFolder kitti;
-  kitti.WriteStereo("000007");
+  const scenes::KittiFolder kitti("000007");
   const auto dataset = kitti.Open("/000007");
   const scenes::DatasetFrame expected = dataset->Get(0);
   RosRecording file;
@@ -96,8 +95,7 @@ TEST(RosSource, MakesTheRangeImageOfAScanThatKittiMakes) {
 }
 
 TEST(RosSource, GivesFramesOfARecordingThatHasThemTwiceOnce) {
-  RosRecording file;
-  file.AddCalibration(examples::Rig());
+  RosRecording file(examples::Rig());
   for (int i = 0; i < 5; ++i) {
     for (const char* topic : {"/left/image", "/right/image"}) {
       for (int times = 0; times < 2; ++times) file.AddImage(topic, kStart + 100'000 * i, Grey(i));
@@ -109,8 +107,7 @@ TEST(RosSource, GivesFramesOfARecordingThatHasThemTwiceOnce) {
 }
 
 TEST(RosSource, CountsImagesWithoutPartner) {
-  RosRecording file;
-  file.AddCalibration(examples::Rig());
+  RosRecording file(examples::Rig());
   for (int i = 0; i < 10; ++i) {
     const int64_t utime = kStart + 100'000 * i;
     file.AddImage("/left/image", utime, Grey(i));
@@ -135,8 +132,7 @@ TEST(RosSource, CountsImagesWithoutPartner) {
 // image.
 std::vector<int> FramesOfStamps(const std::vector<std::pair<int64_t, int64_t>>& stamps,
                                 Told& told) {
-  RosRecording file;
-  file.AddCalibration(examples::Rig());
+  RosRecording file(examples::Rig());
   for (size_t i = 0; i < stamps.size(); ++i) {
     file.AddImage("/left/image", stamps[i].first, Grey(static_cast<int>(i)));
     file.AddImage("/right/image", stamps[i].second, Grey(static_cast<int>(i)));
@@ -175,10 +171,9 @@ TEST(RosSource, OneStampAnHourAheadCostsTwoFramesAtMost) {
 
 // A driver that sets no stamps, of whose images nobody knows which belong together.
 TEST(RosSource, RefusesImagesWithTheStampOfTheOneBefore) {
-  RosRecording file;
-  file.AddCalibration(examples::Rig());
+  RosRecording file(examples::Rig());
   for (const int64_t utime : {int64_t{0}, int64_t{0}, kStart, kStart + 100'000}) {
-    for (const char* topic : {"/left/image", "/right/image"}) file.AddImage(topic, utime, Grey(1));
+    file.AddPair(utime, Grey(1));
   }
   Told told;
   EXPECT_EQ(All(*OpenRosSource(file.Source(), told.Options())).size(), 3U);
@@ -206,11 +201,9 @@ TEST(RosSource, ReportsLossesWhenTheyHappen) {
 std::string RangeTrouble(int64_t pairs_utime, int64_t range_utime,
                          const std::string& topic = "/depth/image",
                          const cv::Mat& range = cv::Mat1f(kSize, 2)) {
-  RosRecording file;
-  file.AddCalibration(examples::Rig());
+  RosRecording file(examples::Rig());
   for (int i = 0; i < 3; ++i) {
-    file.AddImage("/left/image", pairs_utime + 100'000 * i, Grey(i));
-    file.AddImage("/right/image", pairs_utime + 100'000 * i, Grey(i));
+    file.AddPair(pairs_utime + 100'000 * i, Grey(i));
     file.AddImage(topic, range_utime + 100'000 * i, range);
   }
   Told told;
@@ -239,8 +232,7 @@ TEST(RosSource, SaysWhyARangeSensorNeverJoins) {
 }
 
 TEST(RosSource, PicturesOf16BitsBecomeThoseOf8AsTheyUseThem) {
-  RosRecording file;
-  file.AddCalibration(examples::Rig());
+  RosRecording file(examples::Rig());
   cv::Mat1w deep(kSize);
   for (int u = 0; u < deep.cols; ++u) deep.col(u).setTo(1023 * u / (deep.cols - 1));
   for (int i = 0; i < 2; ++i) {
@@ -264,8 +256,7 @@ TEST(RosSource, PicturesOf16BitsBecomeThoseOf8AsTheyUseThem) {
 }
 
 TEST(RosSource, WhatCameBeforeTheFirstPairIsNotLost) {
-  RosRecording file;
-  file.AddCalibration(examples::Rig());
+  RosRecording file(examples::Rig());
   for (int i = 0; i < 4; ++i) {
     const int64_t utime = kStart + 100'000 * i;
     file.AddImage("/left/image", utime, Grey(i));
@@ -279,8 +270,7 @@ TEST(RosSource, WhatCameBeforeTheFirstPairIsNotLost) {
 }
 
 TEST(RosSource, RefusesWhatItCannotUseAtOnce) {
-  RosRecording file;
-  file.AddCalibration(examples::Rig());
+  RosRecording file(examples::Rig());
   for (int i = 0; i < 3; ++i) {
     for (const char* topic : {"/left/image", "/right/image"}) {
       RosMessage<RosImage> image = ToRosImage({kStart + 100'000 * i, "frame"}, Grey(i));
@@ -296,8 +286,7 @@ TEST(RosSource, RefusesWhatItCannotUseAtOnce) {
 }
 
 TEST(RosSource, DecodesJpeg) {
-  RosRecording file;
-  file.AddCalibration(examples::Rig());
+  RosRecording file(examples::Rig());
   for (const char* topic : {"/left/image", "/right/image"}) {
     RosMessage<RosCompressedImage> message;
     message->header.stamp = RosStamp(kStart);
@@ -325,8 +314,7 @@ TEST(RosSource, SaysWhatIsMissing) {
   {
     RosRecording file(folder / "file");
     file.AddCalibration(examples::Rig());
-    file.AddImage("/left/image", kStart, Grey(1));
-    file.AddImage("/right/image", kStart, Grey(1));
+    file.AddPair(kStart, Grey(1));
     file.Add("/points", ToRosCloud({kStart, "nowhere"}, {}));
     file.Finish();
   }
@@ -341,8 +329,7 @@ TEST(RosSource, SaysWhatIsMissing) {
     rig.tof.left_from_tof_translation_m.x() = std::nan("");
     RosRecording file(folder / "file");
     file.AddCalibration(rig);
-    file.AddImage("/left/image", kStart, Grey(1));
-    file.AddImage("/right/image", kStart, Grey(1));
+    file.AddPair(kStart, Grey(1));
     file.Add("/points", ToRosCloud({kStart, "sprout_tof_optical_frame"}, {}));
     file.Finish();
   }
@@ -365,8 +352,7 @@ TEST(RosSource, SaysWhatIsMissing) {
 }
 
 TEST(RosSource, RefusesATopicOfAnotherType) {
-  RosRecording file;
-  file.AddCalibration(examples::Rig());
+  RosRecording file(examples::Rig());
   file.AddImage("/left/image", kStart, Grey(1));
   file.Add("/right/image", ToRosCloud({kStart, "x"}, {}));
   EXPECT_THAT(Complaint(file.Source()),
@@ -376,10 +362,8 @@ TEST(RosSource, RefusesATopicOfAnotherType) {
 }
 
 TEST(RosSource, BeginsAFileAgain) {
-  RosRecording file;
-  file.AddCalibration(examples::Rig());
-  file.AddImage("/left/image", kStart, Grey(1));
-  file.AddImage("/right/image", kStart, Grey(1));
+  RosRecording file(examples::Rig());
+  file.AddPair(kStart, Grey(1));
   Told told;
   const auto source = OpenRosSource(file.Source(), told.Options(/*loop=*/true));
   const std::stop_source never;

@@ -56,8 +56,7 @@ TEST_F(SourceFeed, NumbersAndStampsTheFramesOfItsSource) {
 }
 
 TEST_F(SourceFeed, EndsWithItsSourceUnlessItLoops) {
-  const scenes::SceneFolder scene;
-  scene.Write2005({30, 20});
+  const scenes::SceneFolder scene(cv::Size(30, 20));
   const auto once = Open(scene.Config());
   EXPECT_TRUE(once->Next({}));
   EXPECT_FALSE(once->Next({}));
@@ -76,8 +75,7 @@ TEST_F(SourceFeed, SendsColourAsConfigured) {
 
 // The stages wait for the message, whether or not there is a ToF camera.
 TEST_F(SourceFeed, SendsAToFMessageWithoutAToFCamera) {
-  const scenes::KittiFolder kitti;
-  kitti.WriteStereo("000000");
+  const scenes::KittiFolder kitti("000000");
   const auto frame = Open(kitti.Config("/000000?tof=none"))->Next({});
   ASSERT_TRUE(frame);
   ASSERT_EQ(frame->messages.size(), 3U);
@@ -155,10 +153,9 @@ TEST_F(SourceFeed, SaysThatTheClockWhichStampsFramesWasSetBack) {
   EXPECT_EQ(monitor_.Snapshot().last_error, "");
   now = 4'500'000;
   EXPECT_EQ(feed->Next({})->id.utime, 5'000'001);
-  EXPECT_EQ(
-      monitor_.Snapshot().last_error,
-      "this host's clock was set back by 0.500 s: until it is there again, frames are stamped "
-      "1 µs apart");
+  EXPECT_EQ(monitor_.Snapshot().last_error,
+            "this host's clock was set back by 0.500 s: until it is there again, frames are "
+            "stamped 1 µs apart");
 }
 
 TEST_F(SourceFeed, OneStampThatIsADayAheadIsTheOnlyWrongOne) {
@@ -209,10 +206,9 @@ TEST_F(SourceFeed, SaysThatALiveCameraGivesTheSameImageAgainAndAgain) {
       ASSERT_TRUE(feed->Next({}));
       const bool is_frozen = is_live && i >= 11 && i <= 14;
       EXPECT_EQ(monitor_.Snapshot().last_error,
-                is_frozen
-                    ? "the right camera gives the same image again and again, bit for bit: it "
-                      "hangs, or sees nothing"
-                    : "")
+                is_frozen ? "the right camera gives the same image again and again, bit for bit: "
+                            "it hangs, or sees nothing"
+                          : "")
           << i;
     }
   }

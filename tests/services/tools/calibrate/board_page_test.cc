@@ -16,8 +16,6 @@
 namespace sprout::calibrate {
 namespace {
 
-using ::testing::StartsWith;
-
 TEST(BoardPage, IsPrintedAtTrueScale) {
   const Board board({.columns = 9, .rows = 6, .square_m = 0.06});
   const TemporaryDirectory folder;
@@ -46,7 +44,7 @@ TEST(BoardPage, IsPrintedAtTrueScale) {
 TEST(BoardPage, IsAPdfOrSvgFileOfTheSameBytes) {
   const Board board({.columns = 9, .rows = 6, .square_m = 0.06});
 
-  EXPECT_THAT(BoardPage(board, "board.pdf"), StartsWith("%PDF-"));
+  EXPECT_THAT(BoardPage(board, "board.pdf"), ::testing::StartsWith("%PDF-"));
   EXPECT_EQ(BoardPage(board, "a.pdf"), BoardPage(board, "b.pdf"));
   EXPECT_THROW(BoardPage(board, "board.png"), ConfigError);
 }

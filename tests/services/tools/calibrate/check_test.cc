@@ -25,9 +25,7 @@ class CalibrateCheck : public testing::Test {
  protected:
   // A log of a dataset whose right images are moved down by some rows.
   std::string WriteLog(const std::string& source, int frames, int rows_down) const {
-    CaptureConfig config;
-    config.set_source(source);
-    const std::unique_ptr<scenes::Dataset> dataset = scenes::OpenDataset(config);
+    const std::unique_ptr<scenes::Dataset> dataset = scenes::OpenDataset(source);
     std::vector<Event> events;
     for (int i = 0; i < frames; ++i) {
       const scenes::DatasetFrame frame = dataset->Get(i);
@@ -39,11 +37,9 @@ class CalibrateCheck : public testing::Test {
       const FrameId id{
           .utime = 1'700'000'000'000'000 + 100'000 * i, .seq = i, .rig_id = RigId(dataset->rig())};
       const auto add = [&](Part part, const PartValue& value) {
-        Event event;
-        event.utime = id.utime;
-        event.channel = ChannelOf(part);
-        event.data = EncodePart(id, part, value, DisparityEncoding::kRawInt16);
-        events.push_back(event);
+        events.push_back({.utime = id.utime,
+                          .channel = std::string(ChannelOf(part)),
+                          .data = EncodePart(id, part, value, DisparityEncoding::kRawInt16)});
       };
       add(Part::kRig, dataset->rig());
       add(Part::kLeft, frame.left);

@@ -11,7 +11,6 @@ namespace {
 
 using testing::Contains;
 using testing::HasSubstr;
-using testing::IsEmpty;
 using testing::Not;
 
 class CoverageTest : public testing::Test {
@@ -42,7 +41,7 @@ class CoverageTest : public testing::Test {
 
 TEST_F(CoverageTest, HasNothingToComplainOfWhenTheBoardWasEverywhere) {
   for (const Pose& pose : BoardPoses(board_, 30)) Add(pose);
-  EXPECT_THAT(coverage_.Missing(), IsEmpty()) << coverage_.Text();
+  EXPECT_THAT(coverage_.Missing(), testing::IsEmpty()) << coverage_.Text();
   EXPECT_EQ(coverage_.views(kLeft), 30);
   EXPECT_THAT(coverage_.Text(), HasSubstr("views     30"));
 }

@@ -13,8 +13,6 @@
 namespace sprout::calibrate {
 namespace {
 
-using testing::HasSubstr;
-
 constexpr int kTexels = 40;  // of a square's side, in prints
 const cv::Size kImage(640, 480);
 
@@ -221,7 +219,7 @@ TEST(ForeignBoards, WhatIsSeenHasAName) {
 
 TEST(ForeignBoards, ThatCannotBeAreRefused) {
   const auto refused = [](const BoardSize& size, const std::string& why) {
-    EXPECT_THAT([&] { Board{size}; }, testing::ThrowsMessage<ConfigError>(HasSubstr(why)));
+    EXPECT_THAT([&] { Board{size}; }, testing::ThrowsMessage<ConfigError>(testing::HasSubstr(why)));
   };
   refused({.dictionary = "DICT_4X4"}, "--dictionary DICT_4X4: allowed is one of DICT_4X4_50, ");
   refused({.columns = 11, .rows = 10, .dictionary = "DICT_5X5_50"},

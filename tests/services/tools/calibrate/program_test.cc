@@ -22,7 +22,6 @@ namespace {
 
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 MainOutcome RunCalibrate(std::vector<std::string> words) {
   words.insert(words.begin(), "sprout-calibrate");
@@ -36,11 +35,9 @@ class CalibrateProgram : public testing::Test {
   static void Append(const RigImages& images, int64_t seq, std::vector<Event>& events) {
     const FrameId id{.utime = 1'700'000'000'000'000 + 1'000'000 * seq, .seq = seq, .rig_id = ""};
     const auto add = [&](Part part, const PartValue& value) {
-      Event event;
-      event.utime = id.utime;
-      event.channel = "RAW_" + std::string(ChannelOf(part));
-      event.data = EncodePart(id, part, value, DisparityEncoding::kRawInt16);
-      events.push_back(event);
+      events.push_back({.utime = id.utime,
+                        .channel = "RAW_" + std::string(ChannelOf(part)),
+                        .data = EncodePart(id, part, value, DisparityEncoding::kRawInt16)});
     };
     add(Part::kLeft, images.left);
     add(Part::kRight, images.right);
@@ -118,7 +115,7 @@ TEST_F(CalibrateProgram, MakesARigFileAndAReportOfALog) {
   EXPECT_THAT(report, HasSubstr("not good enough</span></h1>\n<ul>\n<li>"));
   EXPECT_THAT(report, HasSubstr("<h2>The rectified pair</h2>\n<figure><img"));
   EXPECT_THAT(report, HasSubstr("<h2>ToF points on the left image</h2>\n<figure><img"));
-  EXPECT_THAT(report, Not(HasSubstr("src=\"http")));
+  EXPECT_THAT(report, ::testing::Not(HasSubstr("src=\"http")));
 }
 
 TEST_F(CalibrateProgram, LeavesTheRigFileWhenTheNewCalibrationIsNotGood) {
@@ -274,11 +271,10 @@ TEST_F(CalibrateProgram, SaysThatTheBoardIsNotThereOrAnotherOne) {
                 "no image can be used (1 images: 0 views used, 1 without the board); found no "
                 "board at all; looked for a ChArUco board of 9x6 squares with DICT_4X4_250 "
                 "(--board, --squares, --dictionary)");
-  ExpectRefused({"estimate", WriteLog("ours.lcm", 2), "--dictionary", "DICT_6X6_250", "--out",
-                 File("out.textproto")},
-                1,
-                " markers of DICT_4X4_250; looked for a ChArUco board of 9x6 squares with "
-                "DICT_6X6_250");
+  ExpectRefused(
+      {"estimate", WriteLog("ours.lcm", 2), "--dictionary", "DICT_6X6_250", "--out",
+       File("out.textproto")},
+      1, " markers of DICT_4X4_250; looked for a ChArUco board of 9x6 squares with DICT_6X6_250");
 
   const std::string log = WriteLog("raw.lcm", 3);
   ExpectRefused({"estimate", log, "--squares", "5x7", "--out", File("out.textproto")}, 1,

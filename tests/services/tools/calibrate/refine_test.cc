@@ -43,11 +43,10 @@ class CalibrateRefine : public testing::Test {
     std::vector<Event> events;
     const FrameId id{.utime = 1'700'000'000'000'000, .seq = 0, .rig_id = rig ? RigId(*rig) : ""};
     const auto add = [&](Part part, const PartValue& value) {
-      Event event;
-      event.utime = id.utime;
-      event.channel = std::string(rig ? "" : kRawPrefix) + std::string(ChannelOf(part));
-      event.data = EncodePart(id, part, value, DisparityEncoding::kRawInt16);
-      events.push_back(event);
+      events.push_back(
+          {.utime = id.utime,
+           .channel = std::string(rig ? "" : kRawPrefix) + std::string(ChannelOf(part)),
+           .data = EncodePart(id, part, value, DisparityEncoding::kRawInt16)});
     };
     if (rig) add(Part::kRig, *rig);
     add(Part::kLeft, images.left);
