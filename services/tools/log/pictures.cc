@@ -9,7 +9,6 @@
 #include <optional>
 #include <string>
 
-#include "common/config/config.h"
 #include "common/core/frame.h"
 #include "common/measure/score.h"
 #include "common/picture/frame_pictures.h"

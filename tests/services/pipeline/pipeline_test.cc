@@ -18,9 +18,7 @@
 namespace sprout {
 namespace {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 Result<DepthFrame> Compute(Pipeline& pipeline, const evaluate::Scene& scene,
                            const std::optional<FrameTime>& time = {}) {
@@ -39,20 +37,30 @@ bool SameBytes(const cv::Mat& a, const cv::Mat& b) {
          std::memcmp(a.data, b.data, a.total() * a.elemSize()) == 0;
 }
 
+// The answers of refine, prior and grow.
+class Services {
+ public:
+  explicit Services(const SproutConfig& config)
+      : refine_(config.refine()), prior_(config.prior()), grow_(config.grow()) {}
+
+  void Answer(Frame& frame) {
+    for (StageAdapter* adapter : std::initializer_list<StageAdapter*>{&refine_, &prior_, &grow_}) {
+      AddAnswer(*adapter, frame);
+    }
+  }
+
+ private:
+  refine::RefineAdapter refine_;
+  prior::PriorAdapter prior_;
+  grow::GrowAdapter grow_;
+};
+
 TEST(Pipeline, GivesWhatTheServicesGive) {
   const evaluate::Scene scene = evaluate::SmallScene();
   for (const char* preset : {"default", "fast", "paper"}) {
     const SproutConfig config = LoadConfig({preset});
-    Frame frame;
-    frame.left = scene.frame.left;
-    frame.right = scene.frame.right;
-    frame.tof = scene.frame.tof;
-    frame.rig = scene.projector.rig();
-    refine::RefineAdapter refine(config.refine());
-    prior::PriorAdapter prior(config.prior());
-    grow::GrowAdapter grow(config.grow());
-    for (StageAdapter* adapter : std::initializer_list<StageAdapter*>{&refine, &prior, &grow})
-      AddAnswer(*adapter, frame);
+    Frame frame = evaluate::FrameOf(scene);
+    Services(config).Answer(frame);
     Pipeline pipeline(config);
     const DepthFrame result = Compute(pipeline, scene).value();
     EXPECT_GT(result.disparity.CountValid(), 0) << preset;
@@ -64,7 +72,7 @@ TEST(Pipeline, GivesWhatTheServicesGive) {
     EXPECT_TRUE(result.confidence.empty() || SameBytes(result.confidence, frame.confidence));
     EXPECT_EQ(result.sigma.empty(), result.confidence.empty());
     EXPECT_TRUE(result.sigma.empty() || SameBytes(result.sigma, frame.sigma));
-    EXPECT_THAT(result.warnings, IsEmpty()) << preset;
+    EXPECT_THAT(result.warnings, testing::IsEmpty()) << preset;
   }
 }
 
@@ -201,18 +209,11 @@ class PipelineWithZones : public testing::Test {
 };
 
 TEST_F(PipelineWithZones, GivesWhatTheServicesGive) {
-  Frame frame;
-  frame.left = scene_.frame.left;
-  frame.right = scene_.frame.right;
+  Frame frame = evaluate::FrameOf(scene_);
   frame.tof = TofImage();
   frame.tof_zones = zones_;
-  frame.rig = scene_.projector.rig();
-  refine::RefineAdapter refine(config_.refine());
-  prior::PriorAdapter prior(config_.prior());
-  grow::GrowAdapter grow(config_.grow());
-  EXPECT_TRUE(refine.Inputs().Has(Part::kTofZones));
-  for (StageAdapter* adapter : std::initializer_list<StageAdapter*>{&refine, &prior, &grow})
-    AddAnswer(*adapter, frame);
+  EXPECT_TRUE(refine::RefineAdapter(config_.refine()).Inputs().Has(Part::kTofZones));
+  Services(config_).Answer(frame);
   Pipeline pipeline(config_);
   const DepthFrame result = ComputeWith(pipeline, zones_).value();
   EXPECT_TRUE(SameBytes(result.disparity.counts(), frame.disparity->counts()));
@@ -256,8 +257,8 @@ TEST(Pipeline, WarnsOfAFrameInWhichThereIsNothing) {
   ASSERT_TRUE(result);
   EXPECT_EQ(result->disparity.CountValid(), 0);
   EXPECT_EQ(result->disparity.size(), scene.size());
-  EXPECT_THAT(result->warnings, ElementsAre(HasSubstr("refine: "), HasSubstr("prior: "),
-                                            HasSubstr("grow: no seeds")));
+  EXPECT_THAT(result->warnings, testing::ElementsAre(HasSubstr("refine: "), HasSubstr("prior: "),
+                                                     HasSubstr("grow: no seeds")));
 }
 
 // A video of things that move before a camera that stands.
@@ -293,9 +294,7 @@ class PipelineWithMemory : public testing::Test {
 };
 
 TEST_F(PipelineWithMemory, GivesWhatTheServicesGive) {
-  refine::RefineAdapter refine(config_.refine());
-  prior::PriorAdapter prior(config_.prior());
-  grow::GrowAdapter grow(config_.grow());
+  Services services(config_);
   temporal::TemporalAdapter temporal(config_.temporal());
   Pipeline pipeline(config_);
   for (size_t i = 0; i < frames_.size(); ++i) {
@@ -305,9 +304,8 @@ TEST_F(PipelineWithMemory, GivesWhatTheServicesGive) {
     frame.right = frames_[i].right;
     frame.tof = frames_[i].tof;
     frame.rig = rig_;
-    for (StageAdapter* adapter :
-         std::initializer_list<StageAdapter*>{&refine, &prior, &grow, &temporal})
-      AddAnswer(*adapter, frame);
+    services.Answer(frame);
+    AddAnswer(temporal, frame);
     const DepthFrame result = ComputeFrame(pipeline, i, TimeOf(i));
     EXPECT_TRUE(SameBytes(result.disparity.counts(), frame.disparity->counts()));
     EXPECT_TRUE(SameBytes(result.fused.counts(), frame.fused->counts()));

@@ -14,7 +14,7 @@
 #include "services/tools/batch/planning.h"
 #include "services/tools/batch/report.h"
 #include "services/tools/batch/result_folder.h"
-#include "tests/common/picture/temporary_directory.h"
+#include "tests/common/testing/test_with_folder.h"
 #include "tests/common/testing/thrown.h"
 #include "tests/services/tools/batch/example_manifest.h"
 
@@ -349,59 +349,57 @@ std::vector<fs::path> PathsBelow(const fs::path& folder) {
   return {logs.begin(), logs.end()};
 }
 
-TEST(LogsBelow, GivesLogsAndNothingElseSorted) {
-  const TemporaryDirectory folder;
-  EXPECT_THROW(LogsBelow(folder / ""), ConfigError);
-  fs::create_directories(folder / "b/c.lcm");
+class LogsBelowTest : public TestWithFolder {};
+
+TEST_F(LogsBelowTest, GivesLogsAndNothingElseSorted) {
+  EXPECT_THROW(LogsBelow(folder_ / ""), ConfigError);
+  fs::create_directories(folder_ / "b/c.lcm");
   for (const char* name : {"z.lcm", "b/a.lcm", "a.lcm.part", "notes.txt", "b/c.lcm/d.lcm"}) {
-    std::ofstream(folder / name);
+    std::ofstream(folder_ / name);
   }
-  EXPECT_THAT(PathsBelow(folder / ""),
-              ElementsAre(folder / "b/a.lcm", folder / "b/c.lcm/d.lcm", folder / "z.lcm"));
+  EXPECT_THAT(PathsBelow(folder_ / ""),
+              ElementsAre(folder_ / "b/a.lcm", folder_ / "b/c.lcm/d.lcm", folder_ / "z.lcm"));
 }
 
-TEST(LogsBelow, GivesALogWithSeveralNamesOnce) {
-  const TemporaryDirectory folder;
+TEST_F(LogsBelowTest, GivesALogWithSeveralNamesOnce) {
   const TemporaryDirectory elsewhere;
-  fs::create_directory(folder / "b");
-  std::ofstream(folder / "b/target.lcm") << "x";
+  fs::create_directory(folder_ / "b");
+  std::ofstream(folder_ / "b/target.lcm") << "x";
   std::ofstream(elsewhere / "far.lcm") << "x";
-  std::ofstream(folder / "same_content.lcm") << "x";
-  fs::create_symlink(folder / "b/target.lcm", folder / "a_link.lcm");
-  fs::create_hard_link(folder / "b/target.lcm", folder / "second_name.lcm");
-  fs::create_symlink(elsewhere / "far.lcm", folder / "far_1.lcm");
-  fs::create_symlink(elsewhere / "far.lcm", folder / "far_2.lcm");
-  fs::create_symlink(folder / "nowhere", folder / "dangling.lcm");
-  EXPECT_THAT(PathsBelow(folder / ""), ElementsAre(folder / "b/target.lcm", folder / "far_1.lcm",
-                                                   folder / "same_content.lcm"));
+  std::ofstream(folder_ / "same_content.lcm") << "x";
+  fs::create_symlink(folder_ / "b/target.lcm", folder_ / "a_link.lcm");
+  fs::create_hard_link(folder_ / "b/target.lcm", folder_ / "second_name.lcm");
+  fs::create_symlink(elsewhere / "far.lcm", folder_ / "far_1.lcm");
+  fs::create_symlink(elsewhere / "far.lcm", folder_ / "far_2.lcm");
+  fs::create_symlink(folder_ / "nowhere", folder_ / "dangling.lcm");
+  EXPECT_THAT(PathsBelow(folder_ / ""), ElementsAre(folder_ / "b/target.lcm", folder_ / "far_1.lcm",
+                                                    folder_ / "same_content.lcm"));
 }
 
-TEST(LogsBelow, NamesAFolderThatItMayNotRead) {
-  const TemporaryDirectory folder;
-  fs::create_directory(folder / "lost+found");
-  fs::permissions(folder / "lost+found", fs::perms::none);
-  fs::permissions(folder / "", fs::perms::all);
+TEST_F(LogsBelowTest, NamesAFolderThatItMayNotRead) {
+  fs::create_directory(folder_ / "lost+found");
+  fs::permissions(folder_ / "lost+found", fs::perms::none);
+  fs::permissions(folder_ / "", fs::perms::all);
   constexpr uid_t kNobody = 65534;
   const bool is_root = geteuid() == 0;
   ASSERT_EQ(is_root ? seteuid(kNobody) : 0, 0);
-  const std::string error = Thrown<ConfigError>([&] { LogsBelow(folder / ""); });
+  const std::string error = Thrown<ConfigError>([&] { LogsBelow(folder_ / ""); });
   ASSERT_EQ(is_root ? seteuid(0) : 0, 0);
-  fs::permissions(folder / "lost+found", fs::perms::all);
+  fs::permissions(folder_ / "lost+found", fs::perms::all);
   EXPECT_THAT(error, HasSubstr("lost+found: cannot be read (Permission denied)"));
 }
 
-TEST(LogsBelow, LeavesOutWhatBatchesAnswered) {
-  const TemporaryDirectory folder;
+TEST_F(LogsBelowTest, LeavesOutWhatBatchesAnswered) {
   for (const char* path : {"out/results/ab/abc", "out/logs", "results/mon/am"}) {
-    fs::create_directories(folder / path);
+    fs::create_directories(folder_ / path);
   }
   for (const char* name : {"x.lcm", "results/mon/am/mine.lcm", "out/manifest.textproto",
                            "out/results/ab/abc/answers.lcm"}) {
-    std::ofstream(folder / name) << name;
+    std::ofstream(folder_ / name) << name;
   }
-  fs::create_symlink("../results/ab/abc/answers.lcm", folder / "out/logs/x_a.lcm");
-  EXPECT_THAT(PathsBelow(folder / ""),
-              ElementsAre(folder / "results/mon/am/mine.lcm", folder / "x.lcm"));
+  fs::create_symlink("../results/ab/abc/answers.lcm", folder_ / "out/logs/x_a.lcm");
+  EXPECT_THAT(PathsBelow(folder_ / ""),
+              ElementsAre(folder_ / "results/mon/am/mine.lcm", folder_ / "x.lcm"));
 }
 
 }  // namespace

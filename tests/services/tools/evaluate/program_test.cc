@@ -8,24 +8,21 @@
 
 #include "common/config/config.h"
 #include "tests/common/app/run_main.h"
-#include "tests/common/picture/temporary_directory.h"
 #include "tests/common/scenes/kitti_folder.h"
 #include "tests/common/scenes/scene_folder.h"
+#include "tests/common/testing/test_with_folder.h"
 
 namespace sprout::evaluate {
 namespace {
 
 using testing::HasSubstr;
-using testing::StartsWith;
 
 // A log of three frames of kScene: frame 1 has the truth, frame 2 is 2 px off, frame 3 was not
 // answered. Those of other.lcm show something else.
 void ReadSyntheticLog(const LogChoice& log, const std::function<void(const Frame&)>& visit) {
   const bool other = log.file == "other.lcm";
   if (!other && log.file != "run.lcm") throw ConfigError(log.file + ": no such log");
-  CaptureConfig config;
-  config.set_source("synthetic:96x72");
-  const auto source = scenes::OpenDataset(config);
+  const auto source = scenes::OpenDataset("synthetic:96x72");
   for (const int64_t seq : {1, 2, 3}) {
     const scenes::DatasetFrame captured = source->Get(seq);
     Frame frame;
@@ -64,7 +61,9 @@ void ExpectRefused(const std::vector<std::string>& arguments, const std::string&
   ExpectRefused(Evaluate(arguments), 2, "sprout-evaluate", reason);
 }
 
-TEST(EvaluateProgram, PrintsTablesAndNoProgressIntoAPipe) {
+class EvaluateProgram : public TestWithFolder {};
+
+TEST_F(EvaluateProgram, PrintsTablesAndNoProgressIntoAPipe) {
   const MainOutcome outcome = Evaluate({kScene, "--methods", "prior,fgs", "--tof", "grid:4"});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.out, HasSubstr("| prior  |"));
@@ -72,13 +71,13 @@ TEST(EvaluateProgram, PrintsTablesAndNoProgressIntoAPipe) {
   EXPECT_EQ(outcome.err, "");
 }
 
-TEST(EvaluateProgram, SaysNothingWhenQuiet) {
+TEST_F(EvaluateProgram, SaysNothingWhenQuiet) {
   const MainOutcome outcome = Evaluate({kScene, "--methods", "prior", "--quiet"});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_EQ(outcome.out + outcome.err, "");
 }
 
-TEST(EvaluateProgram, TeachesItsDefinitions) {
+TEST_F(EvaluateProgram, TeachesItsDefinitions) {
   const MainOutcome outcome = Evaluate({"--help"});
   EXPECT_EQ(outcome.exit_code, 0);
   for (const char* text : {"bad N", "nonocc", "<= 1, < 1", "wrong seed"}) {
@@ -87,32 +86,30 @@ TEST(EvaluateProgram, TeachesItsDefinitions) {
   EXPECT_THAT(Evaluate({kScene, "--help"}).out, HasSubstr("sgbm-5way"));
 }
 
-TEST(EvaluateProgram, WritesTheSameJsonEveryTimeButForTheTimes) {
-  const TemporaryDirectory folder;
+TEST_F(EvaluateProgram, WritesTheSameJsonEveryTimeButForTheTimes) {
   const std::vector<std::string> flags = {kScene, "--methods",        "all", "--seed-noise-px",
                                           "1",    "--seed-jitter-px", "1",   "--quiet"};
   const auto run = [&](const char* name, const std::vector<std::string>& more) {
     std::vector<std::string> arguments = flags;
     arguments.insert(arguments.end(), more.begin(), more.end());
-    arguments.insert(arguments.end(), {"--json", folder / name});
+    arguments.insert(arguments.end(), {"--json", folder_ / name});
     ASSERT_EQ(Evaluate(arguments).exit_code, 0);
   };
   run("a.json", {"--seed", "3"});
   run("b.json", {"--seed", "3", "--threads", "2", "--repeat", "2"});
   run("c.json", {"--seed", "4"});
-  EXPECT_EQ(WithoutTimes(folder / "a.json").dump(), WithoutTimes(folder / "b.json").dump());
-  EXPECT_NE(WithoutTimes(folder / "a.json").dump(), WithoutTimes(folder / "c.json").dump());
-  EXPECT_EQ(folder.CountEntries(), 3) << "files and nothing beside them";
+  EXPECT_EQ(WithoutTimes(folder_ / "a.json").dump(), WithoutTimes(folder_ / "b.json").dump());
+  EXPECT_NE(WithoutTimes(folder_ / "a.json").dump(), WithoutTimes(folder_ / "c.json").dump());
+  EXPECT_EQ(folder_.CountEntries(), 3) << "files and nothing beside them";
 }
 
-TEST(EvaluateProgram, NamesTheConfigurationInTheResults) {
-  const TemporaryDirectory folder;
-  std::ofstream(folder / "mine.textproto") << "grow { sigma_p_px: 2 }\n";
+TEST_F(EvaluateProgram, NamesTheConfigurationInTheResults) {
+  std::ofstream(folder_ / "mine.textproto") << "grow { sigma_p_px: 2 }\n";
   ASSERT_EQ(Evaluate({kScene, "--methods", "prior", "--preset", "paper", "--config",
-                      folder / "mine.textproto", "--json", folder / "a.json", "--quiet"})
+                      folder_ / "mine.textproto", "--json", folder_ / "a.json", "--quiet"})
                 .exit_code,
             0);
-  EXPECT_EQ(WithoutTimes(folder / "a.json")["preset"], "paper+mine");
+  EXPECT_EQ(WithoutTimes(folder_ / "a.json")["preset"], "paper+mine");
 }
 
 void WriteOnePictureTwice(const scenes::SceneFolder& scene) {
@@ -122,18 +119,17 @@ void WriteOnePictureTwice(const scenes::SceneFolder& scene) {
   for (const char* name : {"view1.png", "view5.png"}) scene.WriteImage(name, noise);
 }
 
-TEST(EvaluateProgram, EndsWithOneWhereLeftAndRightAreTheSamePicture) {
+TEST_F(EvaluateProgram, EndsWithOneWhereLeftAndRightAreTheSamePicture) {
   const scenes::SceneFolder scene;
   WriteOnePictureTwice(scene);
-  const TemporaryDirectory folder;
   const MainOutcome outcome =
-      Evaluate({scene.File("."), "--methods", "prior", "--json", folder / "a.json"});
+      Evaluate({scene.File("."), "--methods", "prior", "--json", folder_ / "a.json"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("left and right are the same picture"));
-  EXPECT_EQ(folder.CountEntries(), 1);
+  EXPECT_EQ(folder_.CountEntries(), 1);
 }
 
-TEST(EvaluateProgram, EndsWithOneWhereAVideoIsWrong) {
+TEST_F(EvaluateProgram, EndsWithOneWhereAVideoIsWrong) {
   const scenes::SceneFolder scene;
   WriteOnePictureTwice(scene);
   const MainOutcome outcome = Evaluate({"video", "middlebury:" + scene.File("."), "--frames", "3"});
@@ -141,13 +137,12 @@ TEST(EvaluateProgram, EndsWithOneWhereAVideoIsWrong) {
   EXPECT_THAT(outcome.err, HasSubstr("left and right are the same picture"));
 }
 
-TEST(EvaluateProgram, WritesAPictureOfEveryMapAndAFigure) {
-  const TemporaryDirectory folder;
+TEST_F(EvaluateProgram, WritesAPictureOfEveryMapAndAFigure) {
   ASSERT_EQ(Evaluate({"synthetic:96x72", "synthetic:80x64", "--methods", "prior,fgs", "--images",
-                      folder / "new" / "pictures", "--quiet"})
+                      folder_ / "new" / "pictures", "--quiet"})
                 .exit_code,
             0);
-  const auto pictures = folder / "new" / "pictures";
+  const auto pictures = folder_ / "new" / "pictures";
   for (const char* name : {"synthetic:96x72_prior.png", "synthetic:80x64_fgs.png"}) {
     EXPECT_FALSE(cv::imread(pictures / name).empty()) << name;
   }
@@ -156,7 +151,7 @@ TEST(EvaluateProgram, WritesAPictureOfEveryMapAndAFigure) {
   EXPECT_GT(figure.rows, 240 + 256);
 }
 
-TEST(EvaluateProgram, RefusesUnknownMethodsPresetsAndTofCameras) {
+TEST_F(EvaluateProgram, RefusesUnknownMethodsPresetsAndTofCameras) {
   ExpectRefused({kScene, "--methods", "prior,elas"}, "--methods elas: no such method");
   ExpectRefused({kScene, "--preset", "turbo"}, "allowed: a file, or a preset");
   ExpectRefused({kScene, "--tof", "lidar"}, "--tof lidar");
@@ -167,9 +162,8 @@ TEST(EvaluateProgram, RefusesUnknownMethodsPresetsAndTofCameras) {
   ExpectRefused({}, "SCENE");
 }
 
-TEST(EvaluateProgram, RefusesToSimulateATofCameraBesideAScanAndTheOtherWayRound) {
-  const scenes::KittiFolder kitti;
-  kitti.WriteStereo("000007");
+TEST_F(EvaluateProgram, RefusesToSimulateATofCameraBesideAScanAndTheOtherWayRound) {
+  const scenes::KittiFolder kitti("000007");
   const std::string frame = kitti.Config("/000007").source();
   ExpectRefused({frame, "--tof", "sr4000"}, "has a scan of its own; allowed: scan, none");
   ExpectRefused({kScene, "--tof", "scan"}, "has no scan");
@@ -178,104 +172,90 @@ TEST(EvaluateProgram, RefusesToSimulateATofCameraBesideAScanAndTheOtherWayRound)
   ExpectRefused({kitti.Config("/000008").source()}, "no ground truth");
 }
 
-TEST(EvaluateProgram, TakesAllFramesOfAKittiFolder) {
-  const scenes::KittiFolder kitti;
-  kitti.WriteStereo("000007");
+TEST_F(EvaluateProgram, TakesAllFramesOfAKittiFolder) {
+  const scenes::KittiFolder kitti("000007");
   kitti.WriteStereo("000014");
-  const TemporaryDirectory folder;
   ASSERT_EQ(Evaluate({kitti.Config("?beams=16").source(), "--methods", "sgbm-3way", "--json",
-                      folder / "a.json", "--images", folder / "pictures", "--quiet"})
+                      folder_ / "a.json", "--images", folder_ / "pictures", "--quiet"})
                 .exit_code,
             0);
-  const nlohmann::json json = WithoutTimes(folder / "a.json");
+  const nlohmann::json json = WithoutTimes(folder_ / "a.json");
   EXPECT_EQ(json["tof"], "scan");
   ASSERT_EQ(json["scenes"].size(), 2u);
   EXPECT_EQ(json["scenes"][0]["name"], "000007_beams=16");
   EXPECT_EQ(json["scenes"][1]["name"], "000014_beams=16");
 }
 
-TEST(EvaluateProgram, RunsWithoutATofCamera) {
-  const scenes::KittiFolder kitti;
-  kitti.WriteStereo("000007");
-  const scenes::SceneFolder middlebury;
-  middlebury.Write2005({40, 30});
-  const TemporaryDirectory folder;
+TEST_F(EvaluateProgram, RunsWithoutATofCamera) {
+  const scenes::KittiFolder kitti("000007");
+  const scenes::SceneFolder middlebury(cv::Size(40, 30));
   for (const std::string& scene :
        {std::string(kScene), middlebury.File("."), kitti.Config("/000007").source()}) {
     const MainOutcome outcome =
         Evaluate({scene, "--tof", "none", "--methods", "sprout,sgbm-3way,fgs", "--json",
-                  folder / "a.json", "--images", folder / "pictures"});
+                  folder_ / "a.json", "--images", folder_ / "pictures"});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    const nlohmann::json json = WithoutTimes(folder / "a.json");
+    const nlohmann::json json = WithoutTimes(folder_ / "a.json");
     EXPECT_EQ(json["tof"], "none");
     EXPECT_EQ(json["scenes"][0]["refinement"]["raw"], 0);
   }
 }
 
-TEST(EvaluateProgram, RefusesAFolderWithoutGroundTruth) {
-  const scenes::SceneFolder scene;
-  scene.Write2005({40, 30});
+TEST_F(EvaluateProgram, RefusesAFolderWithoutGroundTruth) {
+  const scenes::SceneFolder scene(cv::Size(40, 30));
   scene.Remove("disp1.png");
-  const TemporaryDirectory folder;
-  ExpectRefused({scene.File("").c_str(), "--json", folder / "a.json", "--images", folder / "new"},
+  ExpectRefused({scene.File("").c_str(), "--json", folder_ / "a.json", "--images", folder_ / "new"},
                 "disp1 is missing");
-  EXPECT_EQ(folder.CountEntries(), 0);
+  EXPECT_EQ(folder_.CountEntries(), 0);
 }
 
-TEST(EvaluateProgram, RefusesImagesAndTruthsOfDifferentSizes) {
-  const TemporaryDirectory folder;
+TEST_F(EvaluateProgram, RefusesImagesAndTruthsOfDifferentSizes) {
   for (const char* name : {"view5.png", "disp1.png", "disp5.png"}) {
-    const scenes::SceneFolder scene;
-    scene.Write2005({40, 30});
+    const scenes::SceneFolder scene(cv::Size(40, 30));
     scene.WriteImage(name, cv::Mat1b(31, 40, uchar{40}));
     // A good scene before it is not run either.
-    ExpectRefused({kScene, scene.File("."), "--json", folder / "a.json"}, "40x31");
+    ExpectRefused({kScene, scene.File("."), "--json", folder_ / "a.json"}, "40x31");
   }
-  EXPECT_EQ(folder.CountEntries(), 0);
+  EXPECT_EQ(folder_.CountEntries(), 0);
 }
 
-TEST(EvaluateProgram, RefusesImagesWiderThanAnyStageTakes) {
-  const scenes::SceneFolder scene;
-  scene.Write2005({16385, 3});
+TEST_F(EvaluateProgram, RefusesImagesWiderThanAnyStageTakes) {
+  const scenes::SceneFolder scene(cv::Size(16385, 3));
   ExpectRefused({scene.File(".")}, "16385x3 px; allowed: 1 to 16384 px a side");
 }
 
-TEST(EvaluateProgram, RefusesOutputsThatCannotBeWritten) {
-  const TemporaryDirectory folder;
-  std::ofstream(folder / "file") << "kept";
-  ExpectRefused({kScene, "--json", folder / "missing" / "a.json"}, "--json");
-  ExpectRefused({kScene, "--csv", folder / "missing" / "a.csv"}, "--csv");
-  ExpectRefused({kScene, "--json", folder / ""}, "--json");
-  ExpectRefused({kScene, "--images", folder / "file"}, "--images");
-  std::filesystem::create_symlink("file", folder / "link");
-  ExpectRefused({kScene, "--json", folder / "link"}, "a symbolic link");
-  std::ofstream(folder / "new.json.part") << "somebody else's";
-  ExpectRefused({kScene, "--json", folder / "new.json", "--csv", folder / "link"}, "--csv");
-  EXPECT_EQ(folder.CountEntries(), 3);
-  EXPECT_EQ(FileText(folder / "file"), "kept");
-  EXPECT_EQ(FileText(folder / "new.json.part"), "somebody else's");
+TEST_F(EvaluateProgram, RefusesOutputsThatCannotBeWritten) {
+  std::ofstream(folder_ / "file") << "kept";
+  ExpectRefused({kScene, "--json", folder_ / "missing" / "a.json"}, "--json");
+  ExpectRefused({kScene, "--csv", folder_ / "missing" / "a.csv"}, "--csv");
+  ExpectRefused({kScene, "--json", folder_ / ""}, "--json");
+  ExpectRefused({kScene, "--images", folder_ / "file"}, "--images");
+  std::filesystem::create_symlink("file", folder_ / "link");
+  ExpectRefused({kScene, "--json", folder_ / "link"}, "a symbolic link");
+  std::ofstream(folder_ / "new.json.part") << "somebody else's";
+  ExpectRefused({kScene, "--json", folder_ / "new.json", "--csv", folder_ / "link"}, "--csv");
+  EXPECT_EQ(folder_.CountEntries(), 3);
+  EXPECT_EQ(FileText(folder_ / "file"), "kept");
+  EXPECT_EQ(FileText(folder_ / "new.json.part"), "somebody else's");
 }
 
-TEST(EvaluateProgram, KeepsAnOlderFileWhenTheRunIsRefused) {
-  const TemporaryDirectory folder;
-  std::ofstream(folder / "a.json") << "older";
-  ExpectRefused({kScene, "--json", folder / "a.json", "--csv", folder / "missing" / "a.csv"},
+TEST_F(EvaluateProgram, KeepsAnOlderFileWhenTheRunIsRefused) {
+  std::ofstream(folder_ / "a.json") << "older";
+  ExpectRefused({kScene, "--json", folder_ / "a.json", "--csv", folder_ / "missing" / "a.csv"},
                 "--csv");
-  EXPECT_EQ(FileText(folder / "a.json"), "older");
-  EXPECT_EQ(folder.CountEntries(), 1);
+  EXPECT_EQ(FileText(folder_ / "a.json"), "older");
+  EXPECT_EQ(folder_.CountEntries(), 1);
 }
 
-TEST(EvaluateProgram, RefusesPicturesOfTwoScenesOfOneName) {
-  const TemporaryDirectory folder;
-  ExpectRefused({kScene, kScene, "--images", folder / "new"}, "two scenes have the name");
-  EXPECT_EQ(folder.CountEntries(), 0);
+TEST_F(EvaluateProgram, RefusesPicturesOfTwoScenesOfOneName) {
+  ExpectRefused({kScene, kScene, "--images", folder_ / "new"}, "two scenes have the name");
+  EXPECT_EQ(folder_.CountEntries(), 0);
 }
 
-TEST(EvaluateProgram, ScoresTheAnswersOfALogAgainstTheTruthOfItsSource) {
-  const TemporaryDirectory folder;
-  const auto json_file = folder / "log.json";
+TEST_F(EvaluateProgram, ScoresTheAnswersOfALogAgainstTheTruthOfItsSource) {
+  const auto json_file = folder_ / "log.json";
   const MainOutcome outcome = Evaluate(
-      {"log", "run.lcm", "--truth", kScene, "--json", json_file, "--csv", folder / "log.csv"});
+      {"log", "run.lcm", "--truth", kScene, "--json", json_file, "--csv", folder_ / "log.csv"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("3 frames, 2 with a disparity map, 2 with ground truth"));
   EXPECT_THAT(outcome.out, HasSubstr("\n| disparity |"));
@@ -286,10 +266,10 @@ TEST(EvaluateProgram, ScoresTheAnswersOfALogAgainstTheTruthOfItsSource) {
   EXPECT_NEAR(frames[1]["maps"]["disparity"]["mean_abs_px"], 2, 0.02);
   EXPECT_GT(frames[0]["score"], frames[1]["score"]);
   EXPECT_TRUE(frames[2]["score"].is_null());
-  EXPECT_THAT(FileText(folder / "log.csv"), StartsWith("seq,utime,score,valid_share,"));
+  EXPECT_THAT(FileText(folder_ / "log.csv"), testing::StartsWith("seq,utime,score,valid_share,"));
 }
 
-TEST(EvaluateProgram, JudgesALogWithoutTruthByItsQuality) {
+TEST_F(EvaluateProgram, JudgesALogWithoutTruthByItsQuality) {
   const MainOutcome outcome = Evaluate({"log", "run.lcm"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("3 frames, 2 with a disparity map, 0 with ground truth"));
@@ -297,7 +277,7 @@ TEST(EvaluateProgram, JudgesALogWithoutTruthByItsQuality) {
   EXPECT_THAT(outcome.out, testing::Not(HasSubstr("<= 1 px")));
 }
 
-TEST(EvaluateProgram, RefusesWhatDoesNotGoWithALog) {
+TEST_F(EvaluateProgram, RefusesWhatDoesNotGoWithALog) {
   ExpectRefused({"log", "gone.lcm"}, "gone.lcm: no such log");
   ExpectRefused({"log", "run.lcm", "--truth", "synthetic:48x36"}, "--truth: frame 1, score: ");
   ExpectRefused({"log", "other.lcm", "--truth", kScene}, "frame 1 of the log is another picture");

@@ -18,15 +18,16 @@ std::vector<std::pair<std::string, int64_t>> ChannelsAndFrames(const std::vector
   return frames;
 }
 
-TEST(LogCut, KeepsFramesAndTheCalibrationTheyNeed) {
-  const LogFolder folder;
-  const auto in = folder.Write("in", GraphEvents(30));
+class LogCut : public TestWithLogs {};
+
+TEST_F(LogCut, KeepsFramesAndTheCalibrationTheyNeed) {
+  const auto in = folder_.Write("in", GraphEvents(30));
   // The calibration came with frame 11: before these.
-  ASSERT_EQ(RunLog({"cut", in, folder.File("out"), "--frames", "14:15", "--channels",
+  ASSERT_EQ(RunLog({"cut", in, folder_.File("out"), "--frames", "14:15", "--channels",
                     "SPROUT_LEFT,SPROUT_SEEDS"})
                 .exit_code,
             0);
-  const LogContent out = ReadLog(folder.File("out"));
+  const LogContent out = ReadLog(folder_.File("out"));
   EXPECT_THAT(out.damage, IsEmpty());
   EXPECT_THAT(ChannelsAndFrames(out.events),
               testing::ElementsAre(std::pair("SPROUT_RIG", 11), std::pair("SPROUT_LEFT", 14),
@@ -37,96 +38,88 @@ TEST(LogCut, KeepsFramesAndTheCalibrationTheyNeed) {
   EXPECT_EQ(out.events[1].number, 1);
 }
 
-TEST(LogCut, KeepsFramesToWarmUpAndTellsWhoNeedsThem) {
-  const LogFolder folder;
+TEST_F(LogCut, KeepsFramesToWarmUpAndTellsWhoNeedsThem) {
   std::vector<Event> events;
   for (int seq = 0; seq < 9; ++seq) {
     events.push_back(PartEvent(Part::kLeft, seq));
     events.push_back(PartEvent(Part::kFused, seq));
   }
-  const auto in = folder.Write("in", events);
+  const auto in = folder_.Write("in", events);
   const auto cut = [&](std::vector<std::string> flags) {
-    std::vector<std::string> command = {"cut", in, folder.File("out"), "--force"};
+    std::vector<std::string> command = {"cut", in, folder_.File("out"), "--force"};
     command.insert(command.end(), flags.begin(), flags.end());
     const MainOutcome outcome = RunLog(command);
     EXPECT_EQ(outcome.exit_code, 0);
     return outcome.err;
   };
   EXPECT_EQ(cut({"--frames", "5:6", "--warm-up", "3", "--channels", "SPROUT_LEFT"}), "");
-  EXPECT_THAT(ChannelsAndFrames(ReadLog(folder.File("out")).events),
+  EXPECT_THAT(ChannelsAndFrames(ReadLog(folder_.File("out")).events),
               testing::ElementsAre(std::pair("SPROUT_LEFT", 2), std::pair("SPROUT_LEFT", 3),
                                    std::pair("SPROUT_LEFT", 4), std::pair("SPROUT_LEFT", 5),
                                    std::pair("SPROUT_LEFT", 6)));
   EXPECT_EQ(cut({"--frames", "0:6"}), "");
   EXPECT_EQ(cut({"--frames", "2", "--warm-up", "50"}), "");
-  EXPECT_THAT(ReadLog(folder.File("out")).events, testing::SizeIs(6));
+  EXPECT_THAT(ReadLog(folder_.File("out")).events, testing::SizeIs(6));
   EXPECT_THAT(cut({"--frames", "5:6"}),
               HasSubstr("SPROUT_FUSED depends on earlier frames: a replay of " +
-                        folder.File("out") + " begins anew at frame 5; --warm-up 22 keeps"));
-  ExpectRefused({"cut", in, folder.File("out2"), "--warm-up", "3"}, "--frames");
+                        folder_.File("out") + " begins anew at frame 5; --warm-up 22 keeps"));
+  ExpectRefused({"cut", in, folder_.File("out2"), "--warm-up", "3"}, "--frames");
 }
 
-TEST(LogCut, FindsACalibrationThatComesLater) {
-  const LogFolder folder;
-  const auto in = folder.Write("in", GraphEvents(30));
-  ASSERT_EQ(RunLog({"cut", in, folder.File("out"), "--frames", ":0", "--channels", "SPROUT_TOF"})
+TEST_F(LogCut, FindsACalibrationThatComesLater) {
+  const auto in = folder_.Write("in", GraphEvents(30));
+  ASSERT_EQ(RunLog({"cut", in, folder_.File("out"), "--frames", ":0", "--channels", "SPROUT_TOF"})
                 .exit_code,
             0);
-  EXPECT_THAT(ChannelsAndFrames(ReadLog(folder.File("out")).events),
+  EXPECT_THAT(ChannelsAndFrames(ReadLog(folder_.File("out")).events),
               testing::ElementsAre(std::pair("SPROUT_TOF", 0), std::pair("SPROUT_RIG", 1)));
 }
 
-TEST(LogCut, WithoutFlagsCopiesAll) {
-  const LogFolder folder;
+TEST_F(LogCut, WithoutFlagsCopiesAll) {
   auto events = GraphEvents(12);
   events.push_back({.utime = 1, .channel = "IMU", .data = {1, 2, 3}});
-  const auto in = folder.Write("in", events);
-  const MainOutcome outcome = RunLog({"cut", in, folder.File("out")});
-  EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_EQ(ReadBytes(folder.File("out")), ReadBytes(in));
-  EXPECT_THAT(outcome.out, HasSubstr("out: 87 of 87 events\n"));
+  const auto in = folder_.Write("in", events);
+  const std::string out = OutOf({"cut", in, folder_.File("out")});
+  EXPECT_EQ(ReadBytes(folder_.File("out")), ReadBytes(in));
+  EXPECT_THAT(out, HasSubstr("out: 87 of 87 events\n"));
 }
 
-TEST(LogCut, KeepsTheGraphOfAPrefix) {
-  const LogFolder folder;
+TEST_F(LogCut, KeepsTheGraphOfAPrefix) {
   auto events = GraphEvents(3);
   for (Event event : GraphEvents(3)) {
     event.channel = "TWO_" + event.channel;
     events.push_back(event);
   }
-  const auto in = folder.Write("in", events);
-  ASSERT_EQ(RunLog({"cut", in, folder.File("out"), "--channel-prefix", "TWO_", "--channels",
+  const auto in = folder_.Write("in", events);
+  ASSERT_EQ(RunLog({"cut", in, folder_.File("out"), "--channel-prefix", "TWO_", "--channels",
                     "SPROUT_PRIOR", "--frames", "2"})
                 .exit_code,
             0);
   EXPECT_THAT(
-      ChannelsAndFrames(ReadLog(folder.File("out")).events),
+      ChannelsAndFrames(ReadLog(folder_.File("out")).events),
       testing::ElementsAre(std::pair("TWO_SPROUT_RIG", 1), std::pair("TWO_SPROUT_PRIOR", 2)));
 }
 
-TEST(LogCut, NamesAChannelThatTheLogDoesNotHave) {
-  const LogFolder folder;
-  const auto in = folder.Write("in", GraphEvents(3));
+TEST_F(LogCut, NamesAChannelThatTheLogDoesNotHave) {
+  const auto in = folder_.Write("in", GraphEvents(3));
   const MainOutcome outcome =
-      RunLog({"cut", in, folder.File("out"), "--channels", "SPROUT_LEFT,SPROUT_RIGTH"});
+      RunLog({"cut", in, folder_.File("out"), "--channels", "SPROUT_LEFT,SPROUT_RIGTH"});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.err, testing::EndsWith(": no event on SPROUT_RIGTH\n"));
 }
 
-TEST(LogCut, LeavesNothingBehindWhenItFails) {
-  const LogFolder folder;
-  const auto in = folder.Write("in", GraphEvents(3));
-  ExpectRefused({"cut", in, folder.File("out"), "--frames", "50:60"}, "no event in these frames");
-  ExpectRefused({"cut", in, folder.File("out"), "--channels", "SPROUT_LEFTT"}, "no event");
-  ExpectRefused({"cut", in, folder.File("out"), "--frames", "x"}, "--frames x");
-  ExpectRefused({"cut", folder.File("none"), folder.File("out")}, "No such file");
-  ExpectRefused({"cut", in, folder.File("none") + "/out"}, "cannot be written");
-  EXPECT_EQ(folder.CountEntries(), 1);
+TEST_F(LogCut, LeavesNothingBehindWhenItFails) {
+  const auto in = folder_.Write("in", GraphEvents(3));
+  ExpectRefused({"cut", in, folder_.File("out"), "--frames", "50:60"}, "no event in these frames");
+  ExpectRefused({"cut", in, folder_.File("out"), "--channels", "SPROUT_LEFTT"}, "no event");
+  ExpectRefused({"cut", in, folder_.File("out"), "--frames", "x"}, "--frames x");
+  ExpectRefused({"cut", folder_.File("none"), folder_.File("out")}, "No such file");
+  ExpectRefused({"cut", in, folder_.File("none") + "/out"}, "cannot be written");
+  EXPECT_EQ(folder_.CountEntries(), 1);
 }
 
-TEST(LogCut, OverwritesOnlyWhenForced) {
-  const LogFolder folder;
-  const auto in = folder.Write("in", GraphEvents(3));
+TEST_F(LogCut, OverwritesOnlyWhenForced) {
+  const auto in = folder_.Write("in", GraphEvents(3));
   const Bytes before = ReadBytes(in);
   ExpectRefused({"cut", in, in, "--frames", "1"}, "exists already");
   EXPECT_EQ(ReadBytes(in), before);
@@ -134,7 +127,7 @@ TEST(LogCut, OverwritesOnlyWhenForced) {
   EXPECT_EQ(ReadBytes(in), before);
   EXPECT_EQ(RunLog({"cut", in, in, "--frames", "1", "--force"}).exit_code, 0);
   EXPECT_EQ(ReadLog(in).events.size(), 8U);
-  EXPECT_EQ(folder.CountEntries(), 1);
+  EXPECT_EQ(folder_.CountEntries(), 1);
 }
 
 TEST(LogMerge, OrdersByTimeAndKeepsTheOrderOfEachLog) {
@@ -211,11 +204,10 @@ TEST(LogRepair, WritesAllGoodEventsAndSaysWhatWasLost) {
   bytes[static_cast<size_t>(events[20].offset) + 25] ^= 0x40;  // length
   bytes.resize(static_cast<size_t>(events.back().offset) + 100);
   WriteBytes(folder.File("in"), bytes);
-  const MainOutcome outcome = RunLog({"repair", folder.File("in"), folder.File("out")});
-  EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.out, HasSubstr("1 event lost\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("(100): torn tail"));
-  EXPECT_THAT(outcome.out, HasSubstr(" lost in 2 places, 0 undecodable kept\n"));
+  const std::string outcome = OutOf({"repair", folder.File("in"), folder.File("out")});
+  EXPECT_THAT(outcome, HasSubstr("1 event lost\n"));
+  EXPECT_THAT(outcome, HasSubstr("(100): torn tail"));
+  EXPECT_THAT(outcome, HasSubstr(" lost in 2 places, 0 undecodable kept\n"));
   events.pop_back();
   events.erase(events.begin() + 20);
   const LogContent out = ReadLog(folder.File("out"));

@@ -22,14 +22,23 @@ class LogDiffTest : public testing::Test {
     return outcome;
   }
 
+  std::string OutOfDiff(const std::vector<Event>& a, const std::vector<Event>& b,
+                        const std::vector<std::string>& flags, int exit_code = 0) {
+    const MainOutcome outcome = Diff(a, b, flags);
+    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.out;
+    return outcome.out;
+  }
+  std::string OutOfDiff(const std::vector<Event>& a, const std::vector<Event>& b,
+                        int exit_code = 0) {
+    return OutOfDiff(a, b, {}, exit_code);
+  }
+
   LogFolder folder_;
   std::vector<Event> events_ = GraphEvents(12);
 };
 
 TEST_F(LogDiffTest, FindsALogEqualToItself) {
-  const MainOutcome outcome = Diff(events_, events_);
-  EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.out, EndsWith("\nequal\n"));
+  EXPECT_THAT(OutOfDiff(events_, events_), EndsWith("\nequal\n"));
 }
 
 TEST_F(LogDiffTest, LooksAtNeitherTimeOfRecordingNorOrderNorStatuses) {
@@ -50,15 +59,14 @@ TEST_F(LogDiffTest, SaysWhichPixelsOfWhichFrameDiffer) {
   changed.counts()(3, 9) = DisparityImage::kInvalid;
   changed.counts()(2, 0) = 32;
   EventOf(other, Part::kDisparity, 7) = PartEvent(Part::kDisparity, 7, changed);
-  const MainOutcome outcome = Diff(events_, other);
-  EXPECT_EQ(outcome.exit_code, 1);
+  const std::string out = OutOfDiff(events_, other, 1);
   EXPECT_THAT(
-      outcome.out,
+      out,
       HasSubstr("SPROUT_DISPARITY, frame 7 (utime 1700000000700000): 3 of 768 pixels differ: "
                 "1 changed (mean 1.500 px, max 1.500 px), 1 newly valid, 1 newly invalid; first at "
                 "(5, 0)\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("first difference: SPROUT_DISPARITY, frame 7"));
-  EXPECT_THAT(outcome.out, EndsWith("\ndifferent\n"));
+  EXPECT_THAT(out, HasSubstr("first difference: SPROUT_DISPARITY, frame 7"));
+  EXPECT_THAT(out, EndsWith("\ndifferent\n"));
 }
 
 TEST_F(LogDiffTest, NamesTheFirstDifferenceByFrameAndNotByChannel) {
@@ -102,12 +110,10 @@ TEST_F(LogDiffTest, NamesWhatOnlyOneLogHas) {
 TEST_F(LogDiffTest, TellsOfAMissingChannelOnce) {
   std::vector<Event> other = events_;
   for (int seq = 0; seq < 12; ++seq) Erase(other, Part::kPrior, seq);
-  const MainOutcome outcome = Diff(events_, other);
-  EXPECT_EQ(outcome.exit_code, 1);
+  const std::string out = OutOfDiff(events_, other, 1);
   EXPECT_THAT(
-      outcome.out,
-      HasSubstr("frame 0 (utime 1700000000000000): only in A, as all 12 of this channel\n"));
-  EXPECT_THAT(outcome.out, Not(HasSubstr("frame 1 ")));
+      out, HasSubstr("frame 0 (utime 1700000000000000): only in A, as all 12 of this channel\n"));
+  EXPECT_THAT(out, Not(HasSubstr("frame 1 ")));
 }
 
 TEST_F(LogDiffTest, TakesAnotherEncodingForEqualAndSaysSo) {
@@ -116,27 +122,22 @@ TEST_F(LogDiffTest, TakesAnotherEncodingForEqualAndSaysSo) {
     EventOf(other, Part::kPrior, seq) =
         PartEvent(Part::kPrior, seq, LogPrior(seq), DisparityEncoding::kDeltaZstd);
   }
-  const MainOutcome outcome = Diff(events_, other);
-  EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.out,
-              HasSubstr("SPROUT_PRIOR: 12 of the equal ones are encoded differently\n"));
+  const std::string out = OutOfDiff(events_, other);
+  EXPECT_THAT(out, HasSubstr("SPROUT_PRIOR: 12 of the equal ones are encoded differently\n"));
 }
 
 TEST_F(LogDiffTest, CountsAMessageThatCameAgainOnce) {
   std::vector<Event> other = events_;
   other.push_back(PartEvent(Part::kLeft, 11));
-  const MainOutcome outcome = Diff(events_, other);
-  EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.out,
-              HasSubstr("in B, repeated messages with the same bytes, counted once: 1\n"));
+  const std::string out = OutOfDiff(events_, other);
+  EXPECT_THAT(out, HasSubstr("in B, repeated messages with the same bytes, counted once: 1\n"));
 }
 
 TEST_F(LogDiffTest, SeesAFrameThatCameAgainWithOtherContent) {
   std::vector<Event> other = events_;
   other.push_back(PartEvent(Part::kDisparity, 11, LogDisparity(3)));
-  const MainOutcome outcome = Diff(events_, other);
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.out, HasSubstr("frame 11 (utime 1700000001100000), version 1: only in B\n"));
+  const std::string out = OutOfDiff(events_, other, 1);
+  EXPECT_THAT(out, HasSubstr("frame 11 (utime 1700000001100000), version 1: only in B\n"));
   EXPECT_EQ(Diff(other, other).exit_code, 0);
 }
 
@@ -147,9 +148,8 @@ TEST_F(LogDiffTest, ComparesCalibrationsByContent) {
   Rig rig = LogRig();
   rig.pair.focal_px += 1;
   EventOf(other, Part::kRig, 1) = PartEvent(Part::kRig, 1, rig);
-  const MainOutcome outcome = Diff(events_, other);
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.out, HasSubstr("SPROUT_RIG, calibration cafe: calibrations differ\n"));
+  const std::string out = OutOfDiff(events_, other, 1);
+  EXPECT_THAT(out, HasSubstr("SPROUT_RIG, calibration cafe: calibrations differ\n"));
 }
 
 TEST_F(LogDiffTest, ComparesForeignMessagesOneByOne) {
@@ -161,9 +161,7 @@ TEST_F(LogDiffTest, ComparesForeignMessagesOneByOne) {
   other.push_back(imu);
   EXPECT_EQ(Diff(events_, other).exit_code, 0);
   other.back().data = {1, 2, 4};
-  const MainOutcome outcome = Diff(events_, other);
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.out, HasSubstr("IMU, message 1: 3 and 3 bytes differ\n"));
+  EXPECT_THAT(OutOfDiff(events_, other, 1), HasSubstr("IMU, message 1: 3 and 3 bytes differ\n"));
 }
 
 TEST_F(LogDiffTest, ShowsSomeDifferencesOrAll) {
@@ -196,9 +194,8 @@ TEST_F(LogDiffTest, WritesPicturesOfWhatDiffers) {
       PartEvent(Part::kLeft, 7, cv::Mat(kLogImageSize, CV_8UC3, cv::Scalar(1, 2, 3)));
   EventOf(other, Part::kSeeds, 8) = PartEvent(Part::kSeeds, 8, SeedSet());
   const std::string pictures = folder_.File("pictures");
-  const MainOutcome outcome = Diff(events_, other, {"--images", pictures});
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.out, HasSubstr(pictures + ": 6 pictures\n"));
+  const std::string out = OutOfDiff(events_, other, {"--images", pictures}, 1);
+  EXPECT_THAT(out, HasSubstr(pictures + ": 6 pictures\n"));
   const auto picture = [&](const std::string& name) {
     return cv::imread(pictures + "/000007_SPROUT_" + name + ".png");
   };

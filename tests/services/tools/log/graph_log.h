@@ -132,6 +132,13 @@ inline MainOutcome RunLog(std::vector<std::string> words) {
   return RunMain(words, LogMain);
 }
 
+/// What a run writes to stdout that ends with this exit code.
+inline std::string OutOf(const std::vector<std::string>& words, int exit_code = 0) {
+  const MainOutcome outcome = RunLog(words);
+  EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
+  return outcome.out;
+}
+
 /// A folder with logs in it.
 class LogFolder {
  public:
@@ -148,6 +155,11 @@ class LogFolder {
 
  private:
   TemporaryDirectory folder_;
+};
+
+class TestWithLogs : public ::testing::Test {
+ protected:
+  const LogFolder folder_;
 };
 
 /// Exit code 2, one line that holds `reason`, nothing on stdout.

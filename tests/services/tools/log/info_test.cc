@@ -16,9 +16,8 @@ using testing::Not;
 nlohmann::json Info(const std::string& file, const std::vector<std::string>& flags = {}) {
   std::vector<std::string> arguments = {"info", file, "--json"};
   arguments.insert(arguments.end(), flags.begin(), flags.end());
-  const MainOutcome outcome = RunLog(arguments);
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  return nlohmann::json::parse(outcome.out);
+  const std::string out = OutOf(arguments);
+  return nlohmann::json::parse(out);
 }
 
 nlohmann::json Channel(const nlohmann::json& info, const std::string& name) {
@@ -28,9 +27,10 @@ nlohmann::json Channel(const nlohmann::json& info, const std::string& name) {
   return {};
 }
 
-TEST(LogInfo, DescribesEveryChannel) {
-  const LogFolder folder;
-  const auto file = folder.Write("log", GraphEvents(12));
+class LogInfo : public TestWithLogs {};
+
+TEST_F(LogInfo, DescribesEveryChannel) {
+  const auto file = folder_.Write("log", GraphEvents(12));
   const nlohmann::json info = Info(file);
   EXPECT_EQ(info["events"], 7 * 12 + 2);
   EXPECT_EQ(info["whole"], true);
@@ -49,14 +49,13 @@ TEST(LogInfo, DescribesEveryChannel) {
   EXPECT_FALSE(Channel(info, "SPROUT_RIG").contains("frames"));
 }
 
-TEST(LogInfo, CountsGapsAndRepeatedFrames) {
-  const LogFolder folder;
+TEST_F(LogInfo, CountsGapsAndRepeatedFrames) {
   auto events = GraphEvents(9);
   Erase(events, Part::kLeft, 3);
   Erase(events, Part::kLeft, 4);
   Erase(events, Part::kLeft, 7);
   events.push_back(PartEvent(Part::kTof, 8));
-  const auto file = folder.Write("log", events);
+  const auto file = folder_.Write("log", events);
   const nlohmann::json info = Info(file);
   EXPECT_EQ(info["whole"], false);
   EXPECT_EQ(Channel(info, "SPROUT_LEFT")["frames"]["missing"], 3);
@@ -68,12 +67,11 @@ TEST(LogInfo, CountsGapsAndRepeatedFrames) {
   EXPECT_EQ(outcome.err, "");
 }
 
-TEST(LogInfo, MissesNoFrameThatDepthWasToldToLeaveOut) {
-  const LogFolder folder;
+TEST_F(LogInfo, MissesNoFrameThatDepthWasToldToLeaveOut) {
   std::vector<Event> events;
   for (const int64_t seq : {0, 3, 6, 9}) events.push_back(PartEvent(Part::kDepth, seq));
   const auto missing = [&] {
-    return Channel(Info(folder.Write("log", events)), "SPROUT_DEPTH")["frames"]["missing"];
+    return Channel(Info(folder_.Write("log", events)), "SPROUT_DEPTH")["frames"]["missing"];
   };
   EXPECT_EQ(missing(), 6);
   ProcessInfo depth;
@@ -83,15 +81,14 @@ TEST(LogInfo, MissesNoFrameThatDepthWasToldToLeaveOut) {
   EXPECT_EQ(missing(), 0);
   events.erase(events.begin() + 1);
   EXPECT_EQ(missing(), 1);
-  EXPECT_THAT(RunLog({"info", folder.Write("log", events)}).out,
+  EXPECT_THAT(RunLog({"info", folder_.Write("log", events)}).out,
               HasSubstr("SPROUT_DEPTH: frames left out: 1 in all\n"));
 }
 
 // Capture was started again after the clock had been set back by an hour.
-TEST(LogInfo, CountsFramesBehindAClockThatWasSetBack) {
-  const LogFolder folder;
+TEST_F(LogInfo, CountsFramesBehindAClockThatWasSetBack) {
   auto events = GraphEvents(5);
-  EXPECT_THAT(RunLog({"info", folder.Write("log", events)}).out, Not(HasSubstr("clock")));
+  EXPECT_THAT(RunLog({"info", folder_.Write("log", events)}).out, Not(HasSubstr("clock")));
   for (const int64_t seq : {0, 1, 3}) {
     Event event = PartEvent(Part::kLeft, seq);
     FrameId id = LogFrameId(seq);
@@ -101,90 +98,78 @@ TEST(LogInfo, CountsFramesBehindAClockThatWasSetBack) {
         EncodePart(id, Part::kLeft, LogValue(Part::kLeft, seq), DisparityEncoding::kRawInt16);
     events.push_back(event);
   }
-  const MainOutcome outcome = RunLog({"info", folder.Write("log", events), "--check"});
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.out, HasSubstr("the clock was set back, times: 1, by 3600."));
-  EXPECT_THAT(outcome.out, HasSubstr("SPROUT_LEFT: frame numbers began anew, times: 1\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("SPROUT_LEFT: frames left out: 2\n"));
+  const std::string out = OutOf({"info", folder_.Write("log", events), "--check"}, 1);
+  EXPECT_THAT(out, HasSubstr("the clock was set back, times: 1, by 3600."));
+  EXPECT_THAT(out, HasSubstr("SPROUT_LEFT: frame numbers began anew, times: 1\n"));
+  EXPECT_THAT(out, HasSubstr("SPROUT_LEFT: frames left out: 2\n"));
 }
 
-TEST(LogInfo, FindsMessagesThatCannotBeDecoded) {
-  const LogFolder folder;
+TEST_F(LogInfo, FindsMessagesThatCannotBeDecoded) {
   auto events = GraphEvents(4);
   EventOf(events, Part::kLeft, 2).data.pop_back();
   EventOf(events, Part::kTof, 1).data = PartEvent(Part::kSeeds, 1).data;
   EventOf(events, Part::kRight, 3).data = {1, 2, 3};
-  const auto file = folder.Write("log", events);
+  const auto file = folder_.Write("log", events);
   const nlohmann::json info = Info(file);
   for (const char* name : {"SPROUT_LEFT", "SPROUT_TOF", "SPROUT_RIGHT"}) {
     EXPECT_EQ(Channel(info, name)["undecodable"], 1) << name;
   }
-  const MainOutcome outcome = RunLog({"info", file, "--check"});
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.out, HasSubstr("SPROUT_LEFT: first undecodable message: event "));
-  EXPECT_THAT(outcome.out, HasSubstr("sprout.seeds_t is not that of sprout.tof_image_t"));
+  const std::string out = OutOf({"info", file, "--check"}, 1);
+  EXPECT_THAT(out, HasSubstr("SPROUT_LEFT: first undecodable message: event "));
+  EXPECT_THAT(out, HasSubstr("sprout.seeds_t is not that of sprout.tof_image_t"));
 }
 
-TEST(LogInfo, ReportsDamage) {
-  const LogFolder folder;
+TEST_F(LogInfo, ReportsDamage) {
   auto events = GraphEvents(4);
   Bytes bytes = MakeLog(events);
   bytes[static_cast<size_t>(events[5].offset)] ^= 1;
   bytes.resize(bytes.size() - 3);
-  WriteBytes(folder.File("log"), bytes);
-  const nlohmann::json info = Info(folder.File("log"));
+  WriteBytes(folder_.File("log"), bytes);
+  const nlohmann::json info = Info(folder_.File("log"));
   ASSERT_EQ(info["damage"].size(), 2U);
   EXPECT_EQ(info["damage"][0]["offset"], events[5].offset);
   EXPECT_EQ(info["damage"][0]["bytes"], events[6].offset - events[5].offset);
   EXPECT_EQ(info["damage"][0]["events"], 1);
   EXPECT_EQ(info["damage"][1]["tail"], true);
-  const MainOutcome outcome = RunLog({"info", folder.File("log")});
-  EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.out, HasSubstr("1 event lost\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("torn tail"));
-  EXPECT_THAT(outcome.out, Not(HasSubstr("no damage")));
+  const std::string out = OutOf({"info", folder_.File("log")});
+  EXPECT_THAT(out, HasSubstr("1 event lost\n"));
+  EXPECT_THAT(out, HasSubstr("torn tail"));
+  EXPECT_THAT(out, Not(HasSubstr("no damage")));
 }
 
-TEST(LogInfo, ShowsForeignTypesByFingerprint) {
-  const LogFolder folder;
+TEST_F(LogInfo, ShowsForeignTypesByFingerprint) {
   auto events = GraphEvents(2);
   events.push_back({.utime = 1, .channel = "IMU", .data = {0, 1, 2, 3, 4, 5, 6, 7, 8}});
   events.push_back({.utime = 1, .channel = "PING", .data = {}});
-  const nlohmann::json info = Info(folder.Write("log", events));
+  const nlohmann::json info = Info(folder_.Write("log", events));
   EXPECT_EQ(info["whole"], true);
   EXPECT_EQ(Channel(info, "IMU")["type"], "0x0001020304050607");
   EXPECT_EQ(Channel(info, "IMU")["undecodable"], 0);
   EXPECT_EQ(Channel(info, "PING")["type"], "no type");
 }
 
-TEST(LogInfo, LooksAtOneGraphOnly) {
-  const LogFolder folder;
+TEST_F(LogInfo, LooksAtOneGraphOnly) {
   auto events = GraphEvents(2);
   Event other = PartEvent(Part::kLeft, 1);
   other.channel = "TWO_SPROUT_LEFT";
   events.push_back(other);
-  const auto file = folder.Write("log", events);
+  const auto file = folder_.Write("log", events);
   const nlohmann::json info = Info(file, {"--channel-prefix", "TWO_"});
   ASSERT_EQ(info["channels"].size(), 1U);
   EXPECT_EQ(info["channels"][0]["name"], "TWO_SPROUT_LEFT");
   EXPECT_EQ(info["channels"][0]["type"], "sprout.image_t");
 }
 
-TEST(LogInfo, SaysSoWhenThePrefixIsThatOfNoChannel) {
-  const LogFolder folder;
-  const auto file = folder.Write("log", GraphEvents(2));
-  const MainOutcome outcome = RunLog({"info", file, "--check", "--channel-prefix", "WRONG_"});
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.out, HasSubstr("no channel begins with this --channel-prefix; there are "
-                                     "channels as SPROUT_"));
+TEST_F(LogInfo, SaysSoWhenThePrefixIsThatOfNoChannel) {
+  const auto file = folder_.Write("log", GraphEvents(2));
+  const std::string out = OutOf({"info", file, "--check", "--channel-prefix", "WRONG_"}, 1);
+  EXPECT_THAT(out, HasSubstr("no channel begins with this --channel-prefix; there are "
+                             "channels as SPROUT_"));
   EXPECT_EQ(Info(file, {"--channel-prefix", "WRONG_"})["whole"], false);
 }
 
-TEST(LogInfo, DescribesAnEmptyLog) {
-  const LogFolder folder;
-  const MainOutcome outcome = RunLog({"info", folder.Write("log", {}), "--check"});
-  EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.out, HasSubstr("0.00 MB, 0 events"));
+TEST_F(LogInfo, DescribesAnEmptyLog) {
+  EXPECT_THAT(OutOf({"info", folder_.Write("log", {}), "--check"}), HasSubstr("0.00 MB, 0 events"));
 }
 
 FrameId Id(int64_t seq, int64_t start = 0) {
@@ -256,12 +241,10 @@ std::vector<Event> EventsWithProcesses(const std::string& config) {
 TEST(ProcessesOfALog, AreShownByInfoEachOnce) {
   const LogFolder folder;
   const std::string log = folder.Write("run.lcm", EventsWithProcesses("0.8"));
-  const MainOutcome text = RunLog({"info", log});
-  EXPECT_EQ(text.exit_code, 0);
-  EXPECT_THAT(text.out, HasSubstr("sprout.process_info_t"));
-  EXPECT_THAT(text.out,
-              HasSubstr("\ngrow         0.2.0 (test)           digest of 0.8      robot\n"));
-  EXPECT_THAT(text.out, Not(HasSubstr("sigma_p_px")));
+  const std::string text = OutOf({"info", log});
+  EXPECT_THAT(text, HasSubstr("sprout.process_info_t"));
+  EXPECT_THAT(text, HasSubstr("\ngrow         0.2.0 (test)           digest of 0.8      robot\n"));
+  EXPECT_THAT(text, Not(HasSubstr("sigma_p_px")));
   EXPECT_THAT(RunLog({"info", log, "--config"}).out, HasSubstr("  sigma_p_px: 0.8\n"));
   const auto json = nlohmann::json::parse(RunLog({"info", log, "--json"}).out);
   ASSERT_EQ(json["processes"].size(), 2U);
@@ -274,10 +257,9 @@ TEST(ProcessesOfALog, AreNoDifferenceOfTheAnswersButShown) {
   const LogFolder folder;
   const std::string a = folder.Write("a.lcm", EventsWithProcesses("0.8"));
   const std::string b = folder.Write("b.lcm", EventsWithProcesses("2"));
-  const MainOutcome outcome = RunLog({"diff", a, b});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.out;
-  EXPECT_THAT(outcome.out, HasSubstr("\ngrow: grow.sigma_p_px = 0.8 in A, 2 in B\n"));
-  EXPECT_THAT(outcome.out, Not(HasSubstr("capture:")));
+  const std::string outcome = OutOf({"diff", a, b});
+  EXPECT_THAT(outcome, HasSubstr("\ngrow: grow.sigma_p_px = 0.8 in A, 2 in B\n"));
+  EXPECT_THAT(outcome, Not(HasSubstr("capture:")));
   EXPECT_EQ(RunLog({"diff", a, b, "--channels", "SPROUT_PROCESS"}).exit_code, 1);
   EXPECT_THAT(RunLog({"diff", a, a}).out, Not(HasSubstr("sigma_p_px")));
 }

@@ -29,14 +29,14 @@ const std::map<std::string, int> kTwelveFrames = {{"/diagnostics", 12},
                                                   {"/sprout/tof/image_raw", 12},
                                                   {"/tf_static", 1}};
 
-TEST(McapExport, HasEveryMessageOfTheLogAndNothingButCdr) {
-  const LogFolder folder;
-  const std::string log = folder.Write("log", GraphEvents(12));
-  const MainOutcome outcome = RunLog({"export", "--mcap", folder.File("out"), log});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(outcome.out, folder.File("out") + ": 109 messages\n");
-  EXPECT_EQ(CountTopics(folder.File("out")), kTwelveFrames);
-  McapReader reader(folder.File("out"));
+class McapExport : public TestWithLogs {};
+
+TEST_F(McapExport, HasEveryMessageOfTheLogAndNothingButCdr) {
+  const std::string log = folder_.Write("log", GraphEvents(12));
+  const std::string out = OutOf({"export", "--mcap", folder_.File("out"), log});
+  EXPECT_EQ(out, folder_.File("out") + ": 109 messages\n");
+  EXPECT_EQ(CountTopics(folder_.File("out")), kTwelveFrames);
+  McapReader reader(folder_.File("out"));
   for (McapMessage message; reader.Next(message);) {
     ASSERT_NE(message.schema, nullptr);
     EXPECT_EQ(message.schema->encoding, "ros2msg");
@@ -46,26 +46,23 @@ TEST(McapExport, HasEveryMessageOfTheLogAndNothingButCdr) {
 }
 
 // The calibration of frame 0 stands behind it.
-TEST(McapExport, KeepsTheFramesThatAreAskedFor) {
-  const LogFolder folder;
-  const std::string log = folder.Write("log", GraphEvents(12));
-  RunLog({"export", "--mcap", folder.File("out"), log, "--frames", "3:5"});
-  const auto counts = CountTopics(folder.File("out"));
+TEST_F(McapExport, KeepsTheFramesThatAreAskedFor) {
+  const std::string log = folder_.Write("log", GraphEvents(12));
+  RunLog({"export", "--mcap", folder_.File("out"), log, "--frames", "3:5"});
+  const auto counts = CountTopics(folder_.File("out"));
   EXPECT_EQ(counts.at("/sprout/disparity"), 3);
   EXPECT_EQ(counts.at("/sprout/left/camera_info"), 3);
   EXPECT_EQ(counts.at("/diagnostics"), 3);
   EXPECT_EQ(counts.at("/tf_static"), 1);
 }
 
-TEST(McapExport, NamesTheChannelsOfAnotherPrefix) {
-  const LogFolder folder;
-  const std::string log = folder.Write("log", GraphEvents(1));
-  ExpectRefused({"export", "--mcap", folder.File("out"), log, "--channel-prefix", "B_"},
+TEST_F(McapExport, NamesTheChannelsOfAnotherPrefix) {
+  const std::string log = folder_.Write("log", GraphEvents(1));
+  ExpectRefused({"export", "--mcap", folder_.File("out"), log, "--channel-prefix", "B_"},
                 "there are channels as SPROUT_");
 }
 
-TEST(McapExport, GivesWhatIsWholeOfADamagedLog) {
-  const LogFolder folder;
+TEST_F(McapExport, GivesWhatIsWholeOfADamagedLog) {
   Bytes bytes;
   {
     std::vector<Event> events = GraphEvents(12);
@@ -73,28 +70,27 @@ TEST(McapExport, GivesWhatIsWholeOfADamagedLog) {
     const Event& left = EventOf(events, Part::kLeft, 4);
     std::fill_n(bytes.begin() + left.offset + 2, 20, uint8_t{0});
   }
-  WriteBytes(folder.File("log"), bytes);
-  const MainOutcome outcome = RunLog({"export", "--mcap", folder.File("out"), folder.File("log")});
+  WriteBytes(folder_.File("log"), bytes);
+  const MainOutcome outcome =
+      RunLog({"export", "--mcap", folder_.File("out"), folder_.File("log")});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.err, HasSubstr("damage"));
   auto expected = kTwelveFrames;
   --expected["/sprout/left/image_rect"];
   --expected["/sprout/left/camera_info"];
-  EXPECT_EQ(CountTopics(folder.File("out")), expected);
+  EXPECT_EQ(CountTopics(folder_.File("out")), expected);
 }
 
-TEST(McapExport, SaysWhatHasNoCalibration) {
-  const LogFolder folder;
+TEST_F(McapExport, SaysWhatHasNoCalibration) {
   std::vector<Event> events = GraphEvents(2);
   Erase(events, Part::kRig, 1);
-  const std::string log = folder.Write("log", events);
-  const MainOutcome outcome = RunLog({"export", "--mcap", folder.File("out"), log});
+  const std::string log = folder_.Write("log", events);
+  const MainOutcome outcome = RunLog({"export", "--mcap", folder_.File("out"), log});
   EXPECT_THAT(outcome.err, HasSubstr("8 messages whose calibration is not in the log"));
-  EXPECT_FALSE(CountTopics(folder.File("out")).contains("/sprout/disparity"));
+  EXPECT_FALSE(CountTopics(folder_.File("out")).contains("/sprout/disparity"));
 }
 
-TEST(McapExport, HasTheConfigurationsAsMetadata) {
-  const LogFolder folder;
+TEST_F(McapExport, HasTheConfigurationsAsMetadata) {
   std::vector<Event> events = GraphEvents(1);
   ProcessInfo info;
   info.stage = "grow";
@@ -104,13 +100,13 @@ TEST(McapExport, HasTheConfigurationsAsMetadata) {
   event.channel = kProcessChannel;
   event.data = EncodeProcessInfo(info);
   events.push_back(event);
-  const std::string log = folder.Write("log", events);
-  RunLog({"export", "--mcap", folder.File("out"), log});
-  McapReader reader(folder.File("out"));
+  const std::string log = folder_.Write("log", events);
+  RunLog({"export", "--mcap", folder_.File("out"), log});
+  McapReader reader(folder_.File("out"));
   for (McapMessage message; reader.Next(message);) {
   }
   EXPECT_EQ(reader.Metadata().at("sprout process grow").at("config"), "grow { }\n");
-  EXPECT_THAT(RunLog({"info", "--config", folder.File("out")}).out,
+  EXPECT_THAT(RunLog({"info", "--config", folder_.File("out")}).out,
               HasSubstr("config: grow { }\n"));
 }
 
@@ -120,15 +116,14 @@ TEST(McapInfo, RefusesAFolderThatIsNoBag) {
   ExpectRefused({"info", folder.File("")}, "a folder without .mcap files");
 }
 
-TEST(McapExport, RefusesWhatItCannotDo) {
-  const LogFolder folder;
-  const std::string log = folder.Write("log", GraphEvents(1));
-  WriteBytes(folder.File("old"), Bytes(3));
-  ExpectRefused({"export", "--mcap", folder.File("old"), log}, "exists already; --force");
-  EXPECT_EQ(ReadBytes(folder.File("old")), Bytes(3));
-  EXPECT_EQ(RunLog({"export", "--mcap", folder.File("old"), log, "--force"}).exit_code, 0);
-  ExpectRefused({"export", "--mcap", folder.File("no"), log, "--frames", "7:9"}, "no message");
-  EXPECT_FALSE(std::filesystem::exists(folder.File("no")));
+TEST_F(McapExport, RefusesWhatItCannotDo) {
+  const std::string log = folder_.Write("log", GraphEvents(1));
+  WriteBytes(folder_.File("old"), Bytes(3));
+  ExpectRefused({"export", "--mcap", folder_.File("old"), log}, "exists already; --force");
+  EXPECT_EQ(ReadBytes(folder_.File("old")), Bytes(3));
+  EXPECT_EQ(RunLog({"export", "--mcap", folder_.File("old"), log, "--force"}).exit_code, 0);
+  ExpectRefused({"export", "--mcap", folder_.File("no"), log, "--frames", "7:9"}, "no message");
+  EXPECT_FALSE(std::filesystem::exists(folder_.File("no")));
   ExpectRefused({"export", log}, "DIR");
 }
 
@@ -136,21 +131,18 @@ TEST(McapInfo, ListsTopicsTypesAndCounts) {
   const LogFolder folder;
   const std::string log = folder.Write("log", GraphEvents(12));
   RunLog({"export", "--mcap", folder.File("out"), log});
-  const MainOutcome outcome = RunLog({"info", folder.File("out"), "--check"});
-  EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.out, HasSubstr("MCAP (ros2) by sprout "));
-  EXPECT_THAT(outcome.out, testing::ContainsRegex(
-                               "/sprout/disparity +stereo_msgs/msg/DisparityImage +12 +10.00"));
-  EXPECT_THAT(outcome.out, HasSubstr("no damage\n"));
+  const std::string outcome = OutOf({"info", folder.File("out"), "--check"});
+  EXPECT_THAT(outcome, HasSubstr("MCAP (ros2) by sprout "));
+  EXPECT_THAT(outcome, testing::ContainsRegex(
+                           "/sprout/disparity +stereo_msgs/msg/DisparityImage +12 +10.00"));
+  EXPECT_THAT(outcome, HasSubstr("no damage\n"));
   const auto json = nlohmann::json::parse(RunLog({"info", "--json", folder.File("out")}).out);
   EXPECT_EQ(json["messages"], 109);
   EXPECT_EQ(json["whole"], true);
   Bytes bytes = ReadBytes(folder.File("out"));
   bytes.resize(bytes.size() / 2);
   WriteBytes(folder.File("torn"), bytes);
-  const MainOutcome torn = RunLog({"info", folder.File("torn"), "--check"});
-  EXPECT_EQ(torn.exit_code, 1);
-  EXPECT_THAT(torn.out, HasSubstr("damage: byte "));
+  EXPECT_THAT(OutOf({"info", folder.File("torn"), "--check"}, 1), HasSubstr("damage: byte "));
 }
 
 }  // namespace

@@ -24,40 +24,38 @@ std::vector<std::string> FilesIn(const std::string& folder) {
   return names;
 }
 
-TEST(LogImages, WritesEveryPartOfTheFramesAsked) {
-  const LogFolder folder;
-  const auto log = folder.Write("log", GraphEvents(30));
-  const MainOutcome outcome = RunLog({"images", log, folder.File("out"), "--frames", "4:5"});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("18 files of 2 frames\n"));
+class LogImages : public TestWithLogs {};
+
+TEST_F(LogImages, WritesEveryPartOfTheFramesAsked) {
+  const auto log = folder_.Write("log", GraphEvents(30));
+  const std::string out = OutOf({"images", log, folder_.File("out"), "--frames", "4:5"});
+  EXPECT_THAT(out, HasSubstr("18 files of 2 frames\n"));
   EXPECT_THAT(
-      FilesIn(folder.File("out")),
+      FilesIn(folder_.File("out")),
       UnorderedElementsAre("000004_left.png", "000004_right.png", "000004_tof.png",
                            "000004_seeds.png", "000004_prior.png", "000004_prior_sigma.png",
                            "000004_disparity.png", "000005_left.png", "000005_right.png",
                            "000005_tof.png", "000005_seeds.png", "000005_prior.png",
                            "000005_prior_sigma.png", "000005_disparity.png", "000004_cloud.png",
                            "000004_overview.png", "000005_cloud.png", "000005_overview.png"));
-  const cv::Mat left = cv::imread(folder.File("out") + "/000004_left.png");
+  const cv::Mat left = cv::imread(folder_.File("out") + "/000004_left.png");
   ASSERT_FALSE(left.empty());
   EXPECT_GE(left.cols, kLogImageSize.width);
 }
 
 // The maps of GraphEvents() are 7/8 full; a scene of another size cannot be their truth.
-TEST(LogImages, TellsDensityAndRefusesTheTruthOfAnotherScene) {
-  const LogFolder folder;
-  const auto log = folder.Write("log", GraphEvents(3));
-  const MainOutcome outcome = RunLog({"images", log, folder.File("out")});
+TEST_F(LogImages, TellsDensityAndRefusesTheTruthOfAnotherScene) {
+  const auto log = folder_.Write("log", GraphEvents(3));
+  const MainOutcome outcome = RunLog({"images", log, folder_.File("out")});
   EXPECT_THAT(outcome.out, ContainsRegex("filled +3 +87.50\n"));
-  ExpectRefused({"images", log, folder.File("other"), "--truth", "synthetic:64x48"},
+  ExpectRefused({"images", log, folder_.File("other"), "--truth", "synthetic:64x48"},
                 "--truth synthetic:64x48: ");
-  ExpectRefused({"images", log, folder.File("other"), "--truth", "synthetic:32x24"},
+  ExpectRefused({"images", log, folder_.File("other"), "--truth", "synthetic:32x24"},
                 "--truth synthetic:32x24: frame 0 of the log is another picture");
-  ExpectRefused({"images", log, folder.File("other"), "--truth", "nonsense"}, "nonsense");
+  ExpectRefused({"images", log, folder_.File("other"), "--truth", "nonsense"}, "nonsense");
 }
 
-TEST(LogImages, ShowsThePointsOfAToFImageThatFitsTheCalibration) {
-  const LogFolder folder;
+TEST_F(LogImages, ShowsThePointsOfAToFImageThatFitsTheCalibration) {
   Rig rig = std::get<Rig>(LogValue(Part::kRig, 1));
   const TofImage tof = std::get<TofImage>(LogValue(Part::kTof, 1));
   rig.tof.width = tof.depth_m.cols;
@@ -65,158 +63,146 @@ TEST(LogImages, ShowsThePointsOfAToFImageThatFitsTheCalibration) {
   rig.tof.fx = rig.tof.fy = 3;
   rig.tof.cx = 1;
   rig.tof.cy = 0.5;
-  const auto log = folder.Write(
+  const auto log = folder_.Write(
       "log", {PartEvent(Part::kRig, 1, rig), PartEvent(Part::kLeft, 1), PartEvent(Part::kTof, 1)});
-  EXPECT_EQ(RunLog({"images", log, folder.File("out")}).exit_code, 0);
-  EXPECT_THAT(FilesIn(folder.File("out")),
+  EXPECT_EQ(RunLog({"images", log, folder_.File("out")}).exit_code, 0);
+  EXPECT_THAT(FilesIn(folder_.File("out")),
               UnorderedElementsAre("000001_left.png", "000001_tof.png", "000001_seeds_raw.png"));
 }
 
-TEST(LogImages, ShowsWhatALogOfOneStageHas) {
-  const LogFolder folder;
-  const auto log = folder.Write(
+TEST_F(LogImages, ShowsWhatALogOfOneStageHas) {
+  const auto log = folder_.Write(
       "log", {PartEvent(Part::kSeeds, 3), PartEvent(Part::kUnfilled, 3), PartEvent(Part::kRig, 8)});
-  EXPECT_EQ(RunLog({"images", log, folder.File("out")}).exit_code, 0);
-  EXPECT_THAT(FilesIn(folder.File("out")),
+  EXPECT_EQ(RunLog({"images", log, folder_.File("out")}).exit_code, 0);
+  EXPECT_THAT(FilesIn(folder_.File("out")),
               UnorderedElementsAre("000003_seeds.png", "000003_unfilled.png"));
 }
 
-TEST(LogImages, TakesTheSizeFromWhatIsThereBeforeTheCalibration) {
-  const LogFolder folder;
+TEST_F(LogImages, TakesTheSizeFromWhatIsThereBeforeTheCalibration) {
   Rig huge = std::get<Rig>(LogValue(Part::kRig, 1));
   huge.pair.width = huge.pair.height = 10'000;
-  const auto log = folder.Write("log", {PartEvent(Part::kRig, 1, huge), PartEvent(Part::kSeeds, 1),
-                                        PartEvent(Part::kTof, 1), PartEvent(Part::kPrior, 1)});
-  EXPECT_EQ(RunLog({"images", log, folder.File("out")}).exit_code, 0);
+  const auto log = folder_.Write("log", {PartEvent(Part::kRig, 1, huge), PartEvent(Part::kSeeds, 1),
+                                         PartEvent(Part::kTof, 1), PartEvent(Part::kPrior, 1)});
+  EXPECT_EQ(RunLog({"images", log, folder_.File("out")}).exit_code, 0);
   for (const char* name : {"seeds", "tof"}) {
-    const cv::Mat picture = cv::imread(folder.File("out") + "/000001_" + name + ".png");
+    const cv::Mat picture = cv::imread(folder_.File("out") + "/000001_" + name + ".png");
     EXPECT_GE(picture.cols, kLogImageSize.width) << name;
     EXPECT_LT(picture.cols, 1000) << name;
   }
 }
 
-TEST(LogImages, KeepsFramesOfOneNumberApart) {
-  const LogFolder folder;
+TEST_F(LogImages, KeepsFramesOfOneNumberApart) {
   Event again = PartEvent(Part::kLeft, 3);
   FrameId id = LogFrameId(3);
   id.utime += 5;
   again.data = EncodePart(id, Part::kLeft, LogValue(Part::kLeft, 3), DisparityEncoding::kRawInt16);
-  const auto log = folder.Write("log", {PartEvent(Part::kLeft, 3), again});
-  EXPECT_EQ(RunLog({"images", log, folder.File("out")}).exit_code, 0);
-  EXPECT_THAT(FilesIn(folder.File("out")),
+  const auto log = folder_.Write("log", {PartEvent(Part::kLeft, 3), again});
+  EXPECT_EQ(RunLog({"images", log, folder_.File("out")}).exit_code, 0);
+  EXPECT_THAT(FilesIn(folder_.File("out")),
               UnorderedElementsAre("000003_left.png", "000003_1700000000300005_left.png"));
 }
 
-TEST(LogImages, GoesOnBehindAnUndecodableMessage) {
-  const LogFolder folder;
+TEST_F(LogImages, GoesOnBehindAnUndecodableMessage) {
   auto events = GraphEvents(3);
   EventOf(events, Part::kLeft, 1).data.pop_back();
-  const auto log = folder.Write("log", events);
-  const MainOutcome outcome = RunLog({"images", log, folder.File("out")});
+  const auto log = folder_.Write("log", events);
+  const MainOutcome outcome = RunLog({"images", log, folder_.File("out")});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.out, HasSubstr("24 files of 3 frames"));
   EXPECT_THAT(outcome.err, HasSubstr("undecodable messages: 1, the first SPROUT_LEFT, event "));
 }
 
-TEST(LogImages, RefusesWhatHasNothingToShow) {
-  const LogFolder folder;
-  const auto log = folder.Write("log", GraphEvents(3));
-  ExpectRefused({"images", log, folder.File("out"), "--frames", "9"}, "no message of these frames");
-  ExpectRefused({"images", log, folder.File("out"), "--channel-prefix", "TWO_"},
+TEST_F(LogImages, RefusesWhatHasNothingToShow) {
+  const auto log = folder_.Write("log", GraphEvents(3));
+  ExpectRefused({"images", log, folder_.File("out"), "--frames", "9"},
+                "no message of these frames");
+  ExpectRefused({"images", log, folder_.File("out"), "--channel-prefix", "TWO_"},
                 "there are channels as SPROUT_");
   ExpectRefused({"images", log, log + "/out"}, "cannot be written");
-  EXPECT_EQ(folder.CountEntries(), 1);
+  EXPECT_EQ(folder_.CountEntries(), 1);
 }
 
-TEST(LogExport, WritesTheMapsAsPfm) {
-  const LogFolder folder;
-  const auto log = folder.Write("log", GraphEvents(30));
-  ASSERT_EQ(RunLog({"export", log, folder.File("out"), "--pfm", "--frames", "7"}).exit_code, 0);
-  EXPECT_THAT(FilesIn(folder.File("out")),
+class LogExport : public TestWithLogs {};
+
+TEST_F(LogExport, WritesTheMapsAsPfm) {
+  const auto log = folder_.Write("log", GraphEvents(30));
+  ASSERT_EQ(RunLog({"export", log, folder_.File("out"), "--pfm", "--frames", "7"}).exit_code, 0);
+  EXPECT_THAT(FilesIn(folder_.File("out")),
               UnorderedElementsAre("000007_prior.pfm", "000007_disparity.pfm"));
-  const cv::Mat1f px = scenes::ReadPfm(folder.File("out") + "/000007_disparity.pfm");
+  const cv::Mat1f px = scenes::ReadPfm(folder_.File("out") + "/000007_disparity.pfm");
   ASSERT_EQ(px.size(), kLogImageSize);
   EXPECT_EQ(px(3, 8), LogDisparity(7).Px(8, 3));
   EXPECT_TRUE(std::isinf(px(3, 0)));
 }
 
-TEST(LogExport, WritesTheStandardDeviationsInPx) {
-  const LogFolder folder;
+TEST_F(LogExport, WritesTheStandardDeviationsInPx) {
   cv::Mat1b sigma(kLogImageSize, uint8_t{24});
   sigma(2, 5) = kMaxSigmaCounts;
-  const auto log = folder.Write(
+  const auto log = folder_.Write(
       "log", {PartEvent(Part::kDisparity, 7), PartEvent(Part::kSigma, 7, cv::Mat(sigma))});
-  ASSERT_EQ(RunLog({"export", log, folder.File("out"), "--pfm"}).exit_code, 0);
-  const cv::Mat1f px = scenes::ReadPfm(folder.File("out") + "/000007_sigma.pfm");
+  ASSERT_EQ(RunLog({"export", log, folder_.File("out"), "--pfm"}).exit_code, 0);
+  const cv::Mat1f px = scenes::ReadPfm(folder_.File("out") + "/000007_sigma.pfm");
   ASSERT_EQ(px.size(), kLogImageSize);
   EXPECT_EQ(px(3, 8), 1.5F);
   EXPECT_TRUE(std::isinf(px(2, 5)));
-  ASSERT_EQ(RunLog({"images", log, folder.File("pictures")}).exit_code, 0);
-  EXPECT_THAT(FilesIn(folder.File("pictures")),
+  ASSERT_EQ(RunLog({"images", log, folder_.File("pictures")}).exit_code, 0);
+  EXPECT_THAT(FilesIn(folder_.File("pictures")),
               UnorderedElementsAre("000007_disparity.png", "000007_sigma.png"));
 }
 
-TEST(LogExport, WritesCloudsWithACalibrationFromAnywhere) {
-  const LogFolder folder;
+TEST_F(LogExport, WritesCloudsWithACalibrationFromAnywhere) {
   auto events = GraphEvents(30);
   Erase(events, Part::kRig, 1);
   Erase(events, Part::kRig, 11);  // the one left comes when the first frames are long written
-  const auto log = folder.Write("log", events);
-  ASSERT_EQ(RunLog({"export", log, folder.File("out"), "--ply"}).exit_code, 0);
-  EXPECT_EQ(FilesIn(folder.File("out")).size(), 30U);
-  const Bytes ply = ReadBytes(folder.File("out") + "/000000_cloud.ply");
+  const auto log = folder_.Write("log", events);
+  ASSERT_EQ(RunLog({"export", log, folder_.File("out"), "--ply"}).exit_code, 0);
+  EXPECT_EQ(FilesIn(folder_.File("out")).size(), 30U);
+  const Bytes ply = ReadBytes(folder_.File("out") + "/000000_cloud.ply");
   ASSERT_GT(ply.size(), 1000U);
   const std::string head(ply.begin(), ply.begin() + 200);
   EXPECT_THAT(head, HasSubstr("element vertex 672\n"));  // 28 × 24
 }
 
-TEST(LogExport, SaysWhichCloudsItCannotMake) {
-  const LogFolder folder;
+TEST_F(LogExport, SaysWhichCloudsItCannotMake) {
   auto events = GraphEvents(3);
   Erase(events, Part::kLeft, 1);
-  const auto log = folder.Write("log", events);
-  const MainOutcome outcome = RunLog({"export", log, folder.File("out"), "--ply"});
+  const auto log = folder_.Write("log", events);
+  const MainOutcome outcome = RunLog({"export", log, folder_.File("out"), "--ply"});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.err, HasSubstr("no cloud of 1 frames"));
-  EXPECT_EQ(FilesIn(folder.File("out")).size(), 2U);
+  EXPECT_EQ(FilesIn(folder_.File("out")).size(), 2U);
 }
 
-TEST(LogExport, GoesOnBehindAFrameOfOtherSizes) {
-  const LogFolder folder;
+TEST_F(LogExport, GoesOnBehindAFrameOfOtherSizes) {
   auto events = GraphEvents(3);
   EventOf(events, Part::kLeft, 1) = PartEvent(Part::kLeft, 1, cv::Mat(9, 9, CV_8UC1, cv::Scalar()));
-  const auto log = folder.Write("log", events);
-  const MainOutcome outcome = RunLog({"export", log, folder.File("out"), "--ply"});
+  const auto log = folder_.Write("log", events);
+  const MainOutcome outcome = RunLog({"export", log, folder_.File("out"), "--ply"});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("no cloud of frame 1: disparity map 32x24, left image 9x9"));
   EXPECT_THAT(outcome.out, HasSubstr("2 files of 2 frames"));
 }
 
-TEST(LogImages, ShowsFramesWithoutATofCamera) {
-  const LogFolder folder;
+TEST_F(LogImages, ShowsFramesWithoutATofCamera) {
   const TofImage none;
-  const auto log = folder.Write("log", {PartEvent(Part::kLeft, 1), PartEvent(Part::kTof, 1, none),
-                                        PartEvent(Part::kTof, 2, none), PartEvent(Part::kRight, 2),
-                                        PartEvent(Part::kTof, 3, none)});
-  const MainOutcome outcome = RunLog({"images", log, folder.File("out")});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("4 files of 2 frames"));
+  const auto log = folder_.Write("log", {PartEvent(Part::kLeft, 1), PartEvent(Part::kTof, 1, none),
+                                         PartEvent(Part::kTof, 2, none), PartEvent(Part::kRight, 2),
+                                         PartEvent(Part::kTof, 3, none)});
+  EXPECT_THAT(OutOf({"images", log, folder_.File("out")}), HasSubstr("4 files of 2 frames"));
 }
 
-TEST(LogExport, WritesSurfaces) {
-  const LogFolder folder;
-  const auto log = folder.Write("log", GraphEvents(2));  // the calibration comes with frame 1
-  EXPECT_EQ(RunLog({"export", log, folder.File("out"), "--mesh"}).exit_code, 0);
-  EXPECT_THAT(FilesIn(folder.File("out")),
+TEST_F(LogExport, WritesSurfaces) {
+  const auto log = folder_.Write("log", GraphEvents(2));  // the calibration comes with frame 1
+  EXPECT_EQ(RunLog({"export", log, folder_.File("out"), "--mesh"}).exit_code, 0);
+  EXPECT_THAT(FilesIn(folder_.File("out")),
               UnorderedElementsAre("000000_mesh.ply", "000001_mesh.ply"));
-  EXPECT_THAT(FileText(folder.File("out") + "/000001_mesh.ply"),
+  EXPECT_THAT(FileText(folder_.File("out") + "/000001_mesh.ply"),
               ContainsRegex("element face [1-9]"));
 }
 
-TEST(LogExport, WritesDepthsInMillimetresAndTheIntrinsics) {
-  const LogFolder folder;
-  const auto log = folder.Write("log", GraphEvents(2));
-  const std::string out = folder.File("out");
+TEST_F(LogExport, WritesDepthsInMillimetresAndTheIntrinsics) {
+  const auto log = folder_.Write("log", GraphEvents(2));
+  const std::string out = folder_.File("out");
   ASSERT_EQ(RunLog({"export", log, out, "--depth"}).exit_code, 0);
   EXPECT_THAT(FilesIn(out),
               UnorderedElementsAre("000000_depth.png", "000001_depth.png", "intrinsics.json"));
@@ -236,13 +222,12 @@ TEST(LogExport, WritesDepthsInMillimetresAndTheIntrinsics) {
   EXPECT_EQ(json["width"], pair.width);
 }
 
-TEST(LogExport, WritesDepthOfALogThatHasOnlyThat) {
-  const LogFolder folder;
-  const auto log = folder.Write("log", {PartEvent(Part::kDepth, 1), PartEvent(Part::kLeft, 2)});
-  const MainOutcome outcome = RunLog({"export", log, folder.File("out"), "--depth"});
+TEST_F(LogExport, WritesDepthOfALogThatHasOnlyThat) {
+  const auto log = folder_.Write("log", {PartEvent(Part::kDepth, 1), PartEvent(Part::kLeft, 2)});
+  const MainOutcome outcome = RunLog({"export", log, folder_.File("out"), "--depth"});
   EXPECT_EQ(outcome.exit_code, 0);
   const DepthImage depth = examples::Depth();
-  const cv::Mat mm = cv::imread(folder.File("out") + "/000001_depth.png", cv::IMREAD_UNCHANGED);
+  const cv::Mat mm = cv::imread(folder_.File("out") + "/000001_depth.png", cv::IMREAD_UNCHANGED);
   ASSERT_EQ(mm.size(), depth.size());
   for (int v = 0; v < mm.rows; ++v) {
     for (int u = 0; u < mm.cols; ++u) {
@@ -252,15 +237,14 @@ TEST(LogExport, WritesDepthOfALogThatHasOnlyThat) {
   }
 }
 
-TEST(LogExport, GivesCloudsTheConfidenceOfEachPoint) {
-  const LogFolder folder;
+TEST_F(LogExport, GivesCloudsTheConfidenceOfEachPoint) {
   const cv::Mat confidence(kLogImageSize, CV_8UC1, cv::Scalar(77));
   auto events = GraphEvents(2);
   events.push_back(PartEvent(Part::kConfidence, 1, confidence));
-  const auto log = folder.Write("log", events);
-  ASSERT_EQ(RunLog({"export", log, folder.File("out"), "--ply"}).exit_code, 0);
-  const Bytes with = ReadBytes(folder.File("out") + "/000001_cloud.ply");
-  const Bytes without = ReadBytes(folder.File("out") + "/000000_cloud.ply");
+  const auto log = folder_.Write("log", events);
+  ASSERT_EQ(RunLog({"export", log, folder_.File("out"), "--ply"}).exit_code, 0);
+  const Bytes with = ReadBytes(folder_.File("out") + "/000001_cloud.ply");
+  const Bytes without = ReadBytes(folder_.File("out") + "/000000_cloud.ply");
   EXPECT_THAT(std::string(with.begin(), with.begin() + 400),
               HasSubstr("property uchar confidence\nend_header\n"));
   EXPECT_EQ(with.back(), 77);
@@ -268,22 +252,20 @@ TEST(LogExport, GivesCloudsTheConfidenceOfEachPoint) {
               testing::Not(HasSubstr("confidence")));
 }
 
-TEST(LogImages, RefusesTwoAnswersForOneFrame) {
-  const LogFolder folder;
+TEST_F(LogImages, RefusesTwoAnswersForOneFrame) {
   auto events = GraphEvents(3);
   events.push_back(PartEvent(Part::kDisparity, 1, LogDisparity(5)));
-  const auto log = folder.Write("log", events);
-  ExpectRefused({"images", log, folder.File("out")}, "two answers for frame 1: SPROUT_DISPARITY");
-  ExpectRefused({"export", log, folder.File("out2"), "--pfm"}, "sprout-log merge --replace");
+  const auto log = folder_.Write("log", events);
+  ExpectRefused({"images", log, folder_.File("out")}, "two answers for frame 1: SPROUT_DISPARITY");
+  ExpectRefused({"export", log, folder_.File("out2"), "--pfm"}, "sprout-log merge --replace");
   ExpectRefused({"rank", log}, "two answers");
 }
 
-TEST(LogExport, RefusesToDoNothing) {
-  const LogFolder folder;
-  const auto log = folder.Write("log", GraphEvents(3));
-  ExpectRefused({"export", log, folder.File("out")}, "--ply, --mesh, --pfm, --depth or --npz");
+TEST_F(LogExport, RefusesToDoNothing) {
+  const auto log = folder_.Write("log", GraphEvents(3));
+  ExpectRefused({"export", log, folder_.File("out")}, "--ply, --mesh, --pfm, --depth or --npz");
   ExpectRefused(
-      {"export", folder.Write("raw", {PartEvent(Part::kLeft, 1)}), folder.File("out"), "--pfm"},
+      {"export", folder_.Write("raw", {PartEvent(Part::kLeft, 1)}), folder_.File("out"), "--pfm"},
       "no message of these frames");
 }
 

@@ -33,9 +33,8 @@ class RankTest : public testing::Test {
 };
 
 TEST_F(RankTest, HasTheWorstFramesFirstAndThoseWithoutAMapLast) {
-  const MainOutcome outcome = RunLog({"rank", log_, "--json"});
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const auto json = nlohmann::json::parse(outcome.out);
+  const std::string out = OutOf({"rank", log_, "--json"});
+  const auto json = nlohmann::json::parse(out);
   EXPECT_EQ(Order(json), (std::vector<int64_t>{4, 2, 0, 3, 5, 1}));
   const auto& worst = json["frames"][0];
   EXPECT_EQ(worst["utime"], LogFrameId(4).utime);
@@ -47,23 +46,21 @@ TEST_F(RankTest, HasTheWorstFramesFirstAndThoseWithoutAMapLast) {
 }
 
 TEST_F(RankTest, ShowsATableForPeople) {
-  const MainOutcome outcome = RunLog({"rank", log_, "--top", "2"});
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, StartsWith("   frame         s     score  valid_share  confidence"));
-  EXPECT_THAT(outcome.out, HasSubstr("\n       4     0.400     0.000        0.000           -"));
-  EXPECT_THAT(outcome.out, HasSubstr("\n       2     0.200     0.438        0.438"));
-  EXPECT_THAT(outcome.out, HasSubstr("... of 5 frames, the worst by score first"));
-  EXPECT_THAT(outcome.out, HasSubstr("not ranked, without a score: 1 frames\n"));
+  const std::string out = OutOf({"rank", log_, "--top", "2"});
+  EXPECT_THAT(out, StartsWith("   frame         s     score  valid_share  confidence"));
+  EXPECT_THAT(out, HasSubstr("\n       4     0.400     0.000        0.000           -"));
+  EXPECT_THAT(out, HasSubstr("\n       2     0.200     0.438        0.438"));
+  EXPECT_THAT(out, HasSubstr("... of 5 frames, the worst by score first"));
+  EXPECT_THAT(out, HasSubstr("not ranked, without a score: 1 frames\n"));
 }
 
 TEST_F(RankTest, WritesARowAFrameInFullPrecision) {
-  const MainOutcome outcome = RunLog({"rank", log_, "--csv", "--frames", "0:2"});
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, StartsWith("seq,utime,score,valid_share,confidence,misfit,seeds,"
-                                      "seeds_kept,tof_coverage\n2,1700000000200000,0.4375,0.4375,"
-                                      ",0,2,1,"));
-  EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 4) << outcome.out;
-  EXPECT_THAT(outcome.out, HasSubstr("\n1,1700000000100000,,,,,2,1,")) << "not answered";
+  const std::string out = OutOf({"rank", log_, "--csv", "--frames", "0:2"});
+  EXPECT_THAT(out, StartsWith("seq,utime,score,valid_share,confidence,misfit,seeds,"
+                              "seeds_kept,tof_coverage\n2,1700000000200000,0.4375,0.4375,"
+                              ",0,2,1,"));
+  EXPECT_EQ(std::count(out.begin(), out.end(), '\n'), 4) << out;
+  EXPECT_THAT(out, HasSubstr("\n1,1700000000100000,,,,,2,1,")) << "not answered";
 }
 
 TEST_F(RankTest, RanksByAnyColumn) {

@@ -15,8 +15,6 @@
 namespace sprout::quality {
 namespace {
 
-using sprout::testing::FlatTarget;
-using sprout::testing::TargetNoise;
 using sprout::testing::TargetPair;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
@@ -38,8 +36,8 @@ class QualityProgram : public ::testing::Test {
   }
 
   // Maps of the wall with 0.1 px of noise.
-  std::vector<cv::Mat1f> Maps(int count, const FlatTarget& target = {}) const {
-    TargetNoise noise;
+  std::vector<cv::Mat1f> Maps(int count, const sprout::testing::FlatTarget& target = {}) const {
+    sprout::testing::TargetNoise noise;
     std::vector<cv::Mat1f> maps;
     for (int i = 0; i < count; ++i) maps.push_back(noise.On(target.Disparity(TargetPair()), 0.1));
     return maps;
@@ -53,11 +51,9 @@ class QualityProgram : public ::testing::Test {
       const FrameId id{
           .utime = 1'700'000'000'000'000 + 100'000 * seq, .seq = seq, .rig_id = RigId(rig)};
       const auto add = [&](Part part, const PartValue& value) {
-        Event event;
-        event.utime = id.utime;
-        event.channel = ChannelOf(part);
-        event.data = EncodePart(id, part, value, DisparityEncoding::kRawInt16);
-        events.push_back(event);
+        events.push_back({.utime = id.utime,
+                          .channel = std::string(ChannelOf(part)),
+                          .data = EncodePart(id, part, value, DisparityEncoding::kRawInt16)});
       };
       if (with_rig) add(Part::kRig, rig);
       add(Part::kDisparity, FromPx(map));
@@ -223,10 +219,9 @@ TEST_F(QualityProgram, CountsWhatItLeavesOut) {
   Append(Maps(3), unknown, false, events);
   const MainOutcome outcome = RunQuality({WriteLog("run.lcm", events), "--json", File("q.json")});
   EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_EQ(
-      outcome.err,
-      "sprout-quality: left out: 1 maps of another size or calibration than the first, 3 maps "
-      "without a calibration\n");
+  EXPECT_EQ(outcome.err,
+            "sprout-quality: left out: 1 maps of another size or calibration than the first, 3 "
+            "maps without a calibration\n");
   EXPECT_EQ(Json()["frames"], 2);
   EXPECT_EQ(Json()["maps_of_another_size"], 1);
   EXPECT_EQ(Json()["maps_without_calibration"], 3);
