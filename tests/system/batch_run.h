@@ -35,6 +35,13 @@ inline Outcome RunProgramOf(const std::vector<std::string>& words,
   return {code, process.Output()};
 }
 
+/// What a run writes that ends with this exit code.
+inline std::string OutputOf(const std::vector<std::string>& words, int exit_code = 0) {
+  const Outcome outcome = RunProgramOf(words);
+  EXPECT_EQ(outcome.exit_code, exit_code) << outcome.output;
+  return outcome.output;
+}
+
 /// Three stages over all logs of a folder.
 inline std::vector<std::string> RunCommand(const std::filesystem::path& logs,
                                            const std::filesystem::path& out) {

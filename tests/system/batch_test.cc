@@ -8,7 +8,7 @@
 
 #include "common/logfile/log_reader.h"
 #include "services/tools/batch/manifest.h"
-#include "tests/common/picture/temporary_directory.h"
+#include "tests/common/testing/test_with_folder.h"
 #include "tests/system/batch_run.h"
 #include "tests/system/eventually.h"
 
@@ -55,168 +55,154 @@ void WriteProgram(const fs::path& path, const std::string& lines) {
   fs::permissions(path, fs::perms::owner_all);
 }
 
-TEST(BatchSystem, AnswersAreTheBytesOfReplaysByHand) {
-  const TemporaryDirectory folder;
-  fs::create_directory(folder / "logs");
-  WriteStraddlingLog(folder / "logs" / "run.lcm", "320x240", 0, 24);
-  const Outcome outcome = RunProgramOf(RunCommand(folder / "logs", folder / "out"));
+class BatchSystem : public TestWithFolder {
+ protected:
+  BatchSystem() { fs::create_directory(logs_); }
+
+  std::string Report() const { return FileText(out_ / "report.html"); }
+
+  const fs::path logs_ = folder_ / "logs";
+  const fs::path out_ = folder_ / "out";
+  std::vector<std::string> command_ = RunCommand(logs_, out_);
+};
+
+TEST_F(BatchSystem, AnswersAreTheBytesOfReplaysByHand) {
+  WriteStraddlingLog(logs_ / "run.lcm", "320x240", 0, 24);
+  const Outcome outcome = RunProgramOf(command_);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-  const std::string merged = FileText(folder / "out" / "logs" / "run_a.lcm");
+  const std::string merged = FileText(out_ / "logs" / "run_a.lcm");
   EXPECT_GT(merged.size(), 1000U);
-  EXPECT_TRUE(merged == WholeReplay(folder / "", folder / "logs" / "run.lcm"));
+  EXPECT_TRUE(merged == WholeReplay(folder_ / "", logs_ / "run.lcm"));
 
   // Other programs that answer the same.
-  fs::create_directory(folder / "bin");
+  fs::create_directory(folder_ / "bin");
   for (const std::string stage : {"sprout-refine", "sprout-prior", "sprout-grow"}) {
-    WriteProgram(folder / "bin" / stage.c_str(), "exec " + ProgramPath(stage) + " \"$@\"\n");
+    WriteProgram(folder_ / "bin" / stage.c_str(), "exec " + ProgramPath(stage) + " \"$@\"\n");
   }
-  auto command = RunCommand(folder / "logs", folder / "out");
-  command.insert(command.end(), {"--programs-b", folder / "bin"});
-  const Outcome compared = RunProgramOf(command);
+  command_.insert(command_.end(), {"--programs-b", folder_ / "bin"});
+  const Outcome compared = RunProgramOf(command_);
   EXPECT_EQ(compared.exit_code, 0) << compared.output;
-  EXPECT_TRUE(merged == FileText(folder / "out" / "logs" / "run_b.lcm"));
-  EXPECT_THAT(FileText(folder / "out" / "report.html"), HasSubstr("A and B give the same maps"));
+  EXPECT_TRUE(merged == FileText(out_ / "logs" / "run_b.lcm"));
+  EXPECT_THAT(Report(), HasSubstr("A and B give the same maps"));
 }
 
-TEST(BatchSystem, FusedMapsAreTheBytesOfReplaysByHand) {
-  const TemporaryDirectory folder;
-  fs::create_directory(folder / "logs");
-  const std::string log = folder / "logs" / "run.lcm";
+TEST_F(BatchSystem, FusedMapsAreTheBytesOfReplaysByHand) {
+  const std::string log = logs_ / "run.lcm";
   WriteStraddlingLog(log, "240x180", 0, 16);
-  const Outcome outcome =
-      RunProgramOf({"sprout-batch", "run", folder / "logs", "--out", folder / "out", "--stages",
-                    "refine,prior,grow,temporal", "--config", "default", "--config-b", "default",
-                    "--config-b", "temporal { min_gain: 1 }"});
+  const Outcome outcome = RunProgramOf(
+      {"sprout-batch", "run", logs_, "--out", out_, "--stages", "refine,prior,grow,temporal",
+       "--config", "default", "--config-b", "default", "--config-b", "temporal { min_gain: 1 }"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
 
   std::vector<std::string> replays = {"--replay", log};
   std::string whole;
   for (const std::string stage : {"refine", "prior", "grow", "temporal"}) {
-    whole = folder / (stage + ".lcm").c_str();
+    whole = folder_ / (stage + ".lcm").c_str();
     std::vector<std::string> command = {"sprout-" + stage, "--config", "default", "--record",
                                         whole};
     command.insert(command.end(), replays.begin(), replays.end());
     ASSERT_EQ(RunProgramOf(command).exit_code, 0) << stage;
     replays.insert(replays.end(), {"--replay", whole});
   }
-  EXPECT_TRUE(FileText(folder / "out" / "logs" / "run_a.lcm") == FileText(whole));
+  EXPECT_TRUE(FileText(out_ / "logs" / "run_a.lcm") == FileText(whole));
   // A and B differ from the third frame that has an answer on, not in the first.
-  const auto changed = ColumnOf(folder / "out", "changed");
-  const auto shares = ColumnOf(folder / "out", "a_valid_share");
+  const auto changed = ColumnOf(out_, "changed");
+  const auto shares = ColumnOf(out_, "a_valid_share");
   ASSERT_EQ(changed.size(), 14U);
   EXPECT_EQ(changed.front(), 0);
   EXPECT_GT(changed.back(), 0);
   EXPECT_GT(shares.back(), 0.9);
 }
 
-TEST(BatchSystem, TheSameCommandAgainDoesWhatIsMissingAndNothingElse) {
-  const TemporaryDirectory folder;
-  fs::create_directory(folder / "logs");
-  WriteStraddlingLog(folder / "logs" / "run.lcm", "320x240", 0, 16);
-  WriteStraddlingLog(folder / "logs" / "two.lcm", "160x120", 16, 5);
-  const auto command = RunCommand(folder / "logs", folder / "out");
-  ASSERT_EQ(RunProgramOf(command).exit_code, 0);
-  const auto whole = FileText(folder / "out" / "logs" / "run_a.lcm");
-  EXPECT_THAT(RunProgramOf(command).output, HasSubstr("2 logs, 0 of them to do"));
+TEST_F(BatchSystem, TheSameCommandAgainDoesWhatIsMissingAndNothingElse) {
+  WriteStraddlingLog(logs_ / "run.lcm", "320x240", 0, 16);
+  WriteStraddlingLog(logs_ / "two.lcm", "160x120", 16, 5);
+  ASSERT_EQ(RunProgramOf(command_).exit_code, 0);
+  const auto whole = FileText(out_ / "logs" / "run_a.lcm");
+  EXPECT_THAT(RunProgramOf(command_).output, HasSubstr("2 logs, 0 of them to do"));
 
-  const batch::Manifest manifest = batch::ReadManifest(folder / "out" / "manifest.textproto");
-  fs::remove_all(batch::BatchFolder(folder / "out").result(manifest, 0, 0));
-  const Outcome again = RunProgramOf(command);
+  const batch::Manifest manifest = batch::ReadManifest(out_ / "manifest.textproto");
+  fs::remove_all(batch::BatchFolder(out_).result(manifest, 0, 0));
+  const Outcome again = RunProgramOf(command_);
   EXPECT_THAT(again.output, HasSubstr("2 logs, 1 of them to do"));
-  EXPECT_EQ(CountResults(folder / "out"), 2);
-  EXPECT_TRUE(FileText(folder / "out" / "logs" / "run_a.lcm") == whole);
+  EXPECT_EQ(CountResults(out_), 2);
+  EXPECT_TRUE(FileText(out_ / "logs" / "run_a.lcm") == whole);
 
   // A log that changed is another one.
-  WriteStraddlingLog(folder / "logs" / "two.lcm", "160x120", 21, 5);
-  EXPECT_THAT(RunProgramOf(command).output, HasSubstr("2 logs, 1 of them to do"));
-  EXPECT_EQ(CountResults(folder / "out"), 3);
+  WriteStraddlingLog(logs_ / "two.lcm", "160x120", 21, 5);
+  EXPECT_THAT(RunProgramOf(command_).output, HasSubstr("2 logs, 1 of them to do"));
+  EXPECT_EQ(CountResults(out_), 3);
 
   // Another configuration B computes B alone, and compares.
-  auto compare = command;
-  std::ofstream(folder / "b.textproto") << "grow { sigma_p_px: 3.0 }\n";
-  compare.insert(compare.end(), {"--config-b", "fast", "--config-b", folder / "b.textproto"});
+  auto compare = command_;
+  std::ofstream(folder_ / "b.textproto") << "grow { sigma_p_px: 3.0 }\n";
+  compare.insert(compare.end(), {"--config-b", "fast", "--config-b", folder_ / "b.textproto"});
   const Outcome compared = RunProgramOf(compare);
   EXPECT_EQ(compared.exit_code, 0) << compared.output;
-  EXPECT_EQ(CountResults(folder / "out"), 3 + 2);
-  const std::string report = FileText(folder / "out" / "report.html");
+  EXPECT_EQ(CountResults(out_), 3 + 2);
+  const std::string report = Report();
   EXPECT_THAT(report, HasSubstr("The most changed frames"));
   EXPECT_THAT(report, HasSubstr("sigma_p_px: 3"));
   EXPECT_THAT(report, HasSubstr("data:image/jpeg;base64,"));
   EXPECT_THAT(report, testing::ContainsRegex("sprout-view --log [^ ]*run.lcm --frame [0-9]+\n"));
 }
 
-TEST(BatchSystem, CtrlCLeavesWhatIsWholeAndTheSameCommandGoesOn) {
-  const TemporaryDirectory folder;
-  fs::create_directory(folder / "logs");
-  WriteStraddlingLog(folder / "logs" / "a.lcm", "160x120", 0, 5);
-  WriteStraddlingLog(folder / "logs" / "run.lcm", "320x240", 0, 120);  // takes a second
-  auto command = RunCommand(folder / "logs", folder / "out");
-  command.insert(command.end(), {"--jobs", "1"});
-  auto absolute = command;
-  absolute[0] = ProgramPath(command[0]);
+TEST_F(BatchSystem, CtrlCLeavesWhatIsWholeAndTheSameCommandGoesOn) {
+  WriteStraddlingLog(logs_ / "a.lcm", "160x120", 0, 5);
+  WriteStraddlingLog(logs_ / "run.lcm", "320x240", 0, 120);  // takes a second
+  command_.insert(command_.end(), {"--jobs", "1"});
+  auto absolute = command_;
+  absolute[0] = ProgramPath(command_[0]);
   {
     Process process(absolute);
-    ASSERT_TRUE(Eventually([&] { return fs::exists(folder / "out" / "manifest.textproto"); }));
-    const Outcome second = RunProgramOf(command);
-    EXPECT_EQ(second.exit_code, 2);
-    EXPECT_THAT(second.output, HasSubstr("another sprout-batch is running there"));
-    ASSERT_TRUE(
-        Eventually([&] { return CountResults(folder / "out") > 0; }, std::chrono::seconds(60)))
+    ASSERT_TRUE(Eventually([&] { return fs::exists(out_ / "manifest.textproto"); }));
+    EXPECT_THAT(OutputOf(command_, 2), HasSubstr("another sprout-batch is running there"));
+    ASSERT_TRUE(Eventually([&] { return CountResults(out_) > 0; }, std::chrono::seconds(60)))
         << process.Output();
     process.Signal(SIGINT);
     EXPECT_EQ(process.Wait(), 130) << process.Output();
   }
-  EXPECT_FALSE(fs::exists(folder / "out" / "report.html"));
-  const Outcome outcome = RunProgramOf(command);
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
-  EXPECT_THAT(outcome.output, HasSubstr("2 logs, 1 of them to do"));
-  EXPECT_TRUE(FileText(folder / "out" / "logs" / "run_a.lcm") ==
-              WholeReplay(folder / "", folder / "logs" / "run.lcm"));
+  EXPECT_FALSE(fs::exists(out_ / "report.html"));
+  EXPECT_THAT(OutputOf(command_), HasSubstr("2 logs, 1 of them to do"));
+  EXPECT_TRUE(FileText(out_ / "logs" / "run_a.lcm") ==
+              WholeReplay(folder_ / "", logs_ / "run.lcm"));
 }
 
-TEST(BatchSystem, ALogWithoutACompleteFrameIsListedAndIsNoFailure) {
-  const TemporaryDirectory folder;
-  fs::create_directory(folder / "logs");
-  WriteStraddlingLog(folder / "logs" / "run.lcm", "160x120", 0, 5);
-  LogWriter writer(folder / "logs" / "other.lcm");
+TEST_F(BatchSystem, ALogWithoutACompleteFrameIsListedAndIsNoFailure) {
+  WriteStraddlingLog(logs_ / "run.lcm", "160x120", 0, 5);
+  LogWriter writer(logs_ / "other.lcm");
   writer.Write(1, "OTHER", {});
   writer.Close();
-  const auto command = RunCommand(folder / "logs", folder / "out");
-  const Outcome outcome = RunProgramOf(command);
+  const Outcome outcome = RunProgramOf(command_);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
-  EXPECT_EQ(ColumnOf(folder / "out", "seq").size(), 5U);
-  EXPECT_THAT(FileText(folder / "out" / "report.html"), HasSubstr("<tr><td>other</td><td>1<"));
-  EXPECT_THAT(RunProgramOf(command).output, HasSubstr("2 logs, 0 of them to do"));
+  EXPECT_EQ(ColumnOf(out_, "seq").size(), 5U);
+  EXPECT_THAT(Report(), HasSubstr("<tr><td>other</td><td>1<"));
+  EXPECT_THAT(RunProgramOf(command_).output, HasSubstr("2 logs, 0 of them to do"));
   // Alone it is one: probably flags are wrong.
-  fs::remove(folder / "logs" / "run.lcm");
-  const Outcome alone = RunProgramOf(command);
-  EXPECT_EQ(alone.exit_code, 1);
-  EXPECT_THAT(alone.output, HasSubstr("no frame was answered in these logs"));
-  // What is no log stops the command before anything is computed.
-  std::ofstream(folder / "logs" / "text.lcm") << "no log at all\n";
-  EXPECT_EQ(RunProgramOf(command).exit_code, 2);
+  fs::remove(logs_ / "run.lcm");
+  EXPECT_THAT(OutputOf(command_, 1), HasSubstr("no frame was answered in these logs"));
+  // What is no log stops the command_ before anything is computed.
+  std::ofstream(logs_ / "text.lcm") << "no log at all\n";
+  EXPECT_EQ(RunProgramOf(command_).exit_code, 2);
 }
 
-TEST(BatchSystem, ATruthSaysWhichOfTheTwoIsNearerToIt) {
-  const TemporaryDirectory folder;
-  fs::create_directory(folder / "logs");
-  WriteStraddlingLog(folder / "logs" / "run.lcm", "320x240", 0, 12);
-  auto command = RunCommand(folder / "logs", folder / "out");
-  ASSERT_EQ(RunProgramOf(command).exit_code, 0);
+TEST_F(BatchSystem, ATruthSaysWhichOfTheTwoIsNearerToIt) {
+  WriteStraddlingLog(logs_ / "run.lcm", "320x240", 0, 12);
+  ASSERT_EQ(RunProgramOf(command_).exit_code, 0);
   // A's own maps are the truth, so A has no error; of frame 3 none is known.
-  const fs::path truth = folder / "truth";
+  const fs::path truth = folder_ / "truth";
   fs::create_directory(truth);
-  const Outcome exported = RunProgramOf(
-      {"sprout-log", "export", "--pfm", folder / "out" / "logs" / "run_a.lcm", truth / "run"});
+  const Outcome exported =
+      RunProgramOf({"sprout-log", "export", "--pfm", out_ / "logs" / "run_a.lcm", truth / "run"});
   ASSERT_EQ(exported.exit_code, 0) << exported.output;
   ASSERT_TRUE(fs::remove(truth / "run" / "000003_disparity.pfm"));
-  std::ofstream(folder / "b.textproto") << "grow { sigma_p_px: 9.0 fill: NONE }\n";
-  command.insert(command.end(),
-                 {"--config-b", "fast", "--config-b", folder / "b.textproto", "--truth", truth});
-  const Outcome compared = RunProgramOf(command);
+  std::ofstream(folder_ / "b.textproto") << "grow { sigma_p_px: 9.0 fill: NONE }\n";
+  command_.insert(command_.end(),
+                  {"--config-b", "fast", "--config-b", folder_ / "b.textproto", "--truth", truth});
+  const Outcome compared = RunProgramOf(command_);
   ASSERT_EQ(compared.exit_code, 0) << compared.output;
-  const std::vector<double> a = ColumnOf(folder / "out", "a_bad1");
-  const std::vector<double> b = ColumnOf(folder / "out", "b_bad1");
+  const std::vector<double> a = ColumnOf(out_, "a_bad1");
+  const std::vector<double> b = ColumnOf(out_, "b_bad1");
   ASSERT_EQ(a.size(), 11U);  // frame 5 is incomplete
   for (size_t i = 0; i < a.size(); ++i) {
     if (i == 3) {
@@ -226,62 +212,51 @@ TEST(BatchSystem, ATruthSaysWhichOfTheTwoIsNearerToIt) {
       EXPECT_GT(b[i], 0);
     }
   }
-  EXPECT_THAT(FileText(folder / "out" / "report.html"), HasSubstr("against the truth"));
-  command.back() = folder / "none";
-  EXPECT_EQ(RunProgramOf(command).exit_code, 2);
+  EXPECT_THAT(Report(), HasSubstr("against the truth"));
+  command_.back() = folder_ / "none";
+  EXPECT_EQ(RunProgramOf(command_).exit_code, 2);
 }
 
-TEST(BatchSystem, FramesAreComparedWithoutBeingMeasured) {
-  const TemporaryDirectory folder;
-  fs::create_directory(folder / "logs");
-  WriteStraddlingLog(folder / "logs" / "run.lcm", "160x120", 0, 5);
-  std::ofstream(folder / "b.textproto") << "grow { sigma_p_px: 9.0 }\n";
-  auto command = RunCommand(folder / "logs", folder / "out");
-  command.insert(command.end(), {"--config-b", "fast", "--config-b", folder / "b.textproto"});
-  ASSERT_EQ(RunProgramOf(command).exit_code, 0);
-  const auto moved = ColumnOf(folder / "out", "moved");
+TEST_F(BatchSystem, FramesAreComparedWithoutBeingMeasured) {
+  WriteStraddlingLog(logs_ / "run.lcm", "160x120", 0, 5);
+  std::ofstream(folder_ / "b.textproto") << "grow { sigma_p_px: 9.0 }\n";
+  command_.insert(command_.end(), {"--config-b", "fast", "--config-b", folder_ / "b.textproto"});
+  ASSERT_EQ(RunProgramOf(command_).exit_code, 0);
+  const auto moved = ColumnOf(out_, "moved");
   EXPECT_EQ(moved.size(), 5U);
-  EXPECT_FALSE(std::isnan(ColumnOf(folder / "out", "a_score").at(0)));
-  command.emplace_back("--no-measures");
-  const Outcome outcome = RunProgramOf(command);
+  EXPECT_FALSE(std::isnan(ColumnOf(out_, "a_score").at(0)));
+  command_.emplace_back("--no-measures");
+  const Outcome outcome = RunProgramOf(command_);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-  EXPECT_EQ(ColumnOf(folder / "out", "moved"), moved);
-  for (const double score : ColumnOf(folder / "out", "a_score")) EXPECT_TRUE(std::isnan(score));
-  const std::string report = FileText(folder / "out" / "report.html");
+  EXPECT_EQ(ColumnOf(out_, "moved"), moved);
+  for (const double score : ColumnOf(out_, "a_score")) EXPECT_TRUE(std::isnan(score));
+  const std::string report = Report();
   EXPECT_THAT(report, HasSubstr("The most changed frames"));
   EXPECT_THAT(report, testing::Not(HasSubstr("The worst frames")));
 }
 
-TEST(BatchSystem, AnotherBuildIsComparedAndItsFailuresAreReported) {
-  const TemporaryDirectory folder;
-  fs::create_directory(folder / "logs");
-  WriteStraddlingLog(folder / "logs" / "run.lcm", "320x240", 0, 16);
-  auto command = RunCommand(folder / "logs", folder / "out");
-  command.insert(command.end(), {"--programs-b", folder / "bin"});
-  const Outcome without = RunProgramOf(command);
-  EXPECT_EQ(without.exit_code, 2);
-  EXPECT_THAT(without.output, HasSubstr("sprout-refine: cannot be run"));
+TEST_F(BatchSystem, AnotherBuildIsComparedAndItsFailuresAreReported) {
+  WriteStraddlingLog(logs_ / "run.lcm", "320x240", 0, 16);
+  command_.insert(command_.end(), {"--programs-b", folder_ / "bin"});
+  EXPECT_THAT(OutputOf(command_, 2), HasSubstr("sprout-refine: cannot be run"));
 
   // Another grow; and a prior that fails once.
-  fs::create_directory(folder / "bin");
-  fs::copy_file(ProgramPath("sprout-refine"), folder / "bin" / "sprout-refine");
-  std::ofstream(folder / "b.textproto") << "grow { sigma_p_px: 9.0 }\n";
-  WriteProgram(folder / "bin" / "sprout-grow", "exec " + ProgramPath("sprout-grow") +
-                                                   " \"$@\" --config " +
-                                                   (folder / "b.textproto").string() + "\n");
-  WriteProgram(folder / "bin" / "sprout-prior",
-               "if [ \"$1\" != --version ] && mkdir " + (folder / "failed").string() +
+  fs::create_directory(folder_ / "bin");
+  fs::copy_file(ProgramPath("sprout-refine"), folder_ / "bin" / "sprout-refine");
+  std::ofstream(folder_ / "b.textproto") << "grow { sigma_p_px: 9.0 }\n";
+  WriteProgram(folder_ / "bin" / "sprout-grow", "exec " + ProgramPath("sprout-grow") +
+                                                    " \"$@\" --config " +
+                                                    (folder_ / "b.textproto").string() + "\n");
+  WriteProgram(folder_ / "bin" / "sprout-prior",
+               "if [ \"$1\" != --version ] && mkdir " + (folder_ / "failed").string() +
                    " 2> /dev/null; then echo no luck today; exit 3; fi\nexec " +
                    ProgramPath("sprout-prior") + " \"$@\"\n");
-  const Outcome outcome = RunProgramOf(command);
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-  EXPECT_THAT(outcome.output,
-              HasSubstr("sprout-prior ended with exit code 3: no luck today; will be "
-                        "tried again"));
-  for (const double moved : ColumnOf(folder / "out", "moved")) EXPECT_GT(moved, 0);
-  const std::string report = FileText(folder / "out" / "report.html");
+  EXPECT_THAT(OutputOf(command_),
+              HasSubstr("sprout-prior ended with exit code 3: no luck today; will be tried again"));
+  for (const double moved : ColumnOf(out_, "moved")) EXPECT_GT(moved, 0);
+  const std::string report = Report();
   EXPECT_THAT(report, HasSubstr("The configurations are the same; the programs differ."));
-  EXPECT_THAT(report, HasSubstr((folder / "bin" / "sprout-grow").string() + " --config"));
+  EXPECT_THAT(report, HasSubstr((folder_ / "bin" / "sprout-grow").string() + " --config"));
   EXPECT_THAT(report, HasSubstr("done after 1 failed try"));
   EXPECT_THAT(report, HasSubstr("no luck today"));
 }
@@ -304,44 +279,36 @@ std::string FirstCommands(const std::string& report) {
   return text;
 }
 
-TEST(BatchSystem, TheReportsCommandsComputeAFrameOfALogWithAShellsNameAgain) {
-  const TemporaryDirectory folder;
-  fs::create_directory(folder / "logs");
-  WriteStraddlingLog(folder / "logs/x'$(touch PWNED)'.lcm", "160x120", 0, 5);
-  const Outcome outcome = RunProgramOf(RunCommand(folder / "logs", folder / "out"));
+TEST_F(BatchSystem, TheReportsCommandsComputeAFrameOfALogWithAShellsNameAgain) {
+  WriteStraddlingLog(logs_ / "x'$(touch PWNED)'.lcm", "160x120", 0, 5);
+  const Outcome outcome = RunProgramOf(command_);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-  std::string commands = FirstCommands(FileText(folder / "out" / "report.html"));
+  std::string commands = FirstCommands(Report());
   ASSERT_THAT(commands, HasSubstr("touch PWNED"));
   ASSERT_THAT(commands, HasSubstr("sprout-view"));
   commands.erase(0, commands.find('\n') + 1);  // it would wait for a browser
-  fs::create_directory(folder / "work");
-  const std::string lines = "set -e; cd '" + (folder / "work").string() + "'\n" + commands;
+  fs::create_directory(folder_ / "work");
+  const std::string lines = "set -e; cd '" + (folder_ / "work").string() + "'\n" + commands;
   Process shell({"sh", "-c", lines});
   EXPECT_EQ(shell.Wait(std::chrono::seconds(60)), 0) << shell.Output();
-  EXPECT_GT(fs::file_size(folder / "work/grow_a.lcm"), 1000U);
-  EXPECT_FALSE(fs::exists(folder / "work/PWNED"));
+  EXPECT_GT(fs::file_size(folder_ / "work/grow_a.lcm"), 1000U);
+  EXPECT_FALSE(fs::exists(folder_ / "work/PWNED"));
 }
 
-TEST(BatchSystem, LogsWhoseNamesCannotBeUsedAreNamedAndTheOthersComputed) {
-  const TemporaryDirectory folder;
-  fs::create_directory(folder / "logs");
-  WriteStraddlingLog(folder / "logs/a.lcm", "160x120", 0, 5);
-  fs::copy_file(folder / "logs/a.lcm", folder / "logs/b\xe4.lcm");
-  fs::copy_file(folder / "logs/a.lcm", folder / "logs/c\nd.lcm");
-  const auto command = RunCommand(folder / "logs", folder / "out");
-  const Outcome outcome = RunProgramOf(command);
-  EXPECT_EQ(outcome.exit_code, 1) << outcome.output;
-  EXPECT_THAT(outcome.output, HasSubstr("left out: "));
-  EXPECT_THAT(outcome.output, HasSubstr("b\\xe4.lcm: is not allowed in the manifest"));
-  EXPECT_THAT(outcome.output, HasSubstr("c\\x0ad.lcm: is not allowed in the manifest"));
-  EXPECT_THAT(outcome.output, testing::Not(HasSubstr("will be tried again")));
-  EXPECT_GT(fs::file_size(folder / "out/logs/a_a.lcm"), 1000U);
-  EXPECT_THAT(FileText(folder / "out" / "report.html"), HasSubstr("b\\xe4.lcm"));
-  const Outcome status = RunProgramOf({"sprout-batch", "status", folder / "out"});
-  EXPECT_EQ(status.exit_code, 1);
-  EXPECT_THAT(status.output, HasSubstr("c\\x0ad.lcm"));
+TEST_F(BatchSystem, LogsWhoseNamesCannotBeUsedAreNamedAndTheOthersComputed) {
+  WriteStraddlingLog(logs_ / "a.lcm", "160x120", 0, 5);
+  fs::copy_file(logs_ / "a.lcm", logs_ / "b\xe4.lcm");
+  fs::copy_file(logs_ / "a.lcm", logs_ / "c\nd.lcm");
+  const std::string outcome = OutputOf(command_, 1);
+  EXPECT_THAT(outcome, HasSubstr("left out: "));
+  EXPECT_THAT(outcome, HasSubstr("b\\xe4.lcm: is not allowed in the manifest"));
+  EXPECT_THAT(outcome, HasSubstr("c\\x0ad.lcm: is not allowed in the manifest"));
+  EXPECT_THAT(outcome, testing::Not(HasSubstr("will be tried again")));
+  EXPECT_GT(fs::file_size(out_ / "logs/a_a.lcm"), 1000U);
+  EXPECT_THAT(Report(), HasSubstr("b\\xe4.lcm"));
+  EXPECT_THAT(OutputOf({"sprout-batch", "status", out_}, 1), HasSubstr("c\\x0ad.lcm"));
   const Outcome prefix = RunProgramOf(
-      {"sprout-batch", "run", folder / "logs", "--out", folder / "o2", "--channel-prefix", "x'y"});
+      {"sprout-batch", "run", logs_, "--out", folder_ / "o2", "--channel-prefix", "x'y"});
   EXPECT_EQ(prefix.exit_code, 2);
   EXPECT_THAT(prefix.output, HasSubstr("--channel-prefix 'x'y': allowed are up to"));
 }

@@ -11,7 +11,7 @@
 
 #include "common/app/stage_monitor.h"
 #include "common/messages/codec.h"
-#include "tests/common/picture/temporary_directory.h"
+#include "tests/common/testing/test_with_folder.h"
 #include "tests/system/graph.h"
 #include "tests/system/log_bytes.h"
 
@@ -94,9 +94,10 @@ bool HasRecorded(Graph& graph, int64_t frames) {
 
 void SleepSeconds(int seconds) { std::this_thread::sleep_for(std::chrono::seconds(seconds)); }
 
-TEST(RecordRobot, KeepsTheSecondsBeforeASignal) {
-  const TemporaryDirectory folder;
-  const fs::path logs = folder / "logs";
+class RecordRobot : public TestWithFolder {};
+
+TEST_F(RecordRobot, KeepsTheSecondsBeforeASignal) {
+  const fs::path logs = folder_ / "logs";
   Graph graph;
   Process& record = graph.Start("record", {"--dir", logs, "--ring", "2", "--after", "1"});
   graph.Start("capture", kCamera);
@@ -122,11 +123,10 @@ TEST(RecordRobot, KeepsTheSecondsBeforeASignal) {
   EXPECT_TRUE(AreConsecutive(seqs));
 }
 
-TEST(RecordRobot, NamesChannelsOnWhichNothingCame) {
-  const TemporaryDirectory folder;
+TEST_F(RecordRobot, NamesChannelsOnWhichNothingCame) {
   Graph graph;
   Process& record =
-      graph.Start("record", {"--dir", folder / "logs", "--channels", "SPROUT_LEFT,SPROUT_RIGTH"});
+      graph.Start("record", {"--dir", folder_ / "logs", "--channels", "SPROUT_LEFT,SPROUT_RIGTH"});
   graph.PublishPart({.utime = NowUtime(), .seq = 1, .rig_id = "a"}, Part::kLeft,
                     cv::Mat(cv::Mat1b(9, 9)));
   ASSERT_TRUE(HasRecorded(graph, 1));
@@ -135,17 +135,15 @@ TEST(RecordRobot, NamesChannelsOnWhichNothingCame) {
   EXPECT_THAT(record.Output(), HasSubstr("; nothing came on SPROUT_RIGTH\n"));
 }
 
-TEST(RecordRobot, SaysSoWhenNothingCameIntoTheRing) {
-  const TemporaryDirectory folder;
-  Process record({ProgramPath("sprout-record"), "--dir", folder / "logs", "--ring", "5",
+TEST_F(RecordRobot, SaysSoWhenNothingCameIntoTheRing) {
+  Process record({ProgramPath("sprout-record"), "--dir", folder_ / "logs", "--ring", "5",
                   "--channel-prefix", "NOBODY_", "--seconds", "1"});
   EXPECT_EQ(record.Wait(), 1);
   EXPECT_THAT(record.Output(), HasSubstr("nothing came; is the graph running"));
 }
 
-TEST(RecordRobot, KeepsWhatAMessageOrALowConfidenceAsksFor) {
-  const TemporaryDirectory folder;
-  const fs::path logs = folder / "logs";
+TEST_F(RecordRobot, KeepsWhatAMessageOrALowConfidenceAsksFor) {
+  const fs::path logs = folder_ / "logs";
   Graph graph("A_");
   Process& record =
       graph.Start("record", {"--dir", logs, "--channels", "SPROUT_LEFT", "--ring", "5", "--after",
@@ -173,9 +171,8 @@ TEST(RecordRobot, KeepsWhatAMessageOrALowConfidenceAsksFor) {
   EXPECT_TRUE(channels.contains("A_SPROUT_STATUS"));
 }
 
-TEST(RecordRobot, GoesOnInTheNextLogWithoutAGap) {
-  const TemporaryDirectory folder;
-  const fs::path logs = folder / "logs";
+TEST_F(RecordRobot, GoesOnInTheNextLogWithoutAGap) {
+  const fs::path logs = folder_ / "logs";
   Graph graph("A_");
   Process& record = graph.Start("record", {"--dir", logs, "--max-mb", "1"});
   graph.Start("capture", kCamera);
@@ -197,9 +194,8 @@ TEST(RecordRobot, GoesOnInTheNextLogWithoutAGap) {
   EXPECT_EQ(Summarise(Logs(logs).back()).status.state, StageStatus::State::kStopped);
 }
 
-TEST(RecordRobot, KeepsTheNewestWithinItsQuota) {
-  const TemporaryDirectory folder;
-  const fs::path logs = folder / "logs";
+TEST_F(RecordRobot, KeepsTheNewestWithinItsQuota) {
+  const fs::path logs = folder_ / "logs";
   Graph graph;
   Process& record = graph.Start(
       "record", {"--dir", logs, "--quota-gb", "0.002", "--max-mb", "0.5", "--delete-oldest"});
@@ -214,23 +210,22 @@ TEST(RecordRobot, KeepsTheNewestWithinItsQuota) {
   EXPECT_EQ(Summarise(Logs(logs).back()).status.state, StageStatus::State::kStopped);
 }
 
-TEST(RecordRobot, SaysThatTheDiskIsFullAndLeavesAReadableLog) {
+TEST_F(RecordRobot, SaysThatTheDiskIsFullAndLeavesAReadableLog) {
   if (Process({"unshare", "--mount", "mount", "-t", "tmpfs", "tmpfs", "/mnt"}).Wait() != 0) {
     GTEST_SKIP() << "skipped: this kernel allows no private mount namespace";
   }
-  const TemporaryDirectory folder;
-  fs::create_directory(folder / "disk");
+  fs::create_directory(folder_ / "disk");
   Graph graph;
   // What is on that disk is gone with the process, so it is copied before.
   Process record({"unshare", "--mount", "sh", "-c",
                   "cd $1 && mount -t tmpfs -o size=3m tmpfs disk && $2 --dir disk; code=$?; "
                   "cp -r disk kept; exit $code",
-                  "sh", folder / "", ProgramPath("sprout-record")});
+                  "sh", folder_ / "", ProgramPath("sprout-record")});
   graph.Start("capture", kCamera);
   ASSERT_EQ(record.Wait(), 1) << record.Output();
   EXPECT_THAT(record.Output(), HasSubstr(".lcm: cannot be written (No space left on device)"));
-  ASSERT_EQ(Logs(folder / "kept").size(), 1U) << record.Output();
-  const fs::path log = Logs(folder / "kept")[0];
+  ASSERT_EQ(Logs(folder_ / "kept").size(), 1U) << record.Output();
+  const fs::path log = Logs(folder_ / "kept")[0];
   EXPECT_THAT(Summarise(log).status.last_error, HasSubstr("No space left on device"));
   const std::vector<int64_t> seqs = SeqsOf(ReadChannels(log), Part::kLeft);
   EXPECT_GE(seqs.size(), 20U);
@@ -238,10 +233,9 @@ TEST(RecordRobot, SaysThatTheDiskIsFullAndLeavesAReadableLog) {
 }
 
 // Its clock alone is set, as ntpd does when it has found the time.
-TEST(RecordRobot, LosesNothingWhenItsClockIsSetOnAndBack) {
-  const TemporaryDirectory folder;
-  const fs::path logs = folder / "logs";
-  const fs::path offset_s = folder / "offset_s";
+TEST_F(RecordRobot, LosesNothingWhenItsClockIsSetOnAndBack) {
+  const fs::path logs = folder_ / "logs";
+  const fs::path offset_s = folder_ / "offset_s";
   const auto set_clock = [&](int64_t seconds) {
     std::ofstream(offset_s, std::ios::binary | std::ios::in | std::ios::out)
         .write(reinterpret_cast<const char*>(&seconds), sizeof seconds);
@@ -272,28 +266,26 @@ TEST(RecordRobot, LosesNothingWhenItsClockIsSetOnAndBack) {
   EXPECT_NEAR(steps_s[0], 3600, 1);
   EXPECT_NEAR(steps_s[1], -3 * 3600, 1);
 
-  const fs::path answers = folder / "answers.lcm";
+  const fs::path answers = folder_ / "answers.lcm";
   Process refine({ProgramPath("sprout-refine"), "--replay", log, "--record", answers});
   ASSERT_EQ(refine.Wait(std::chrono::seconds(60)), 0) << refine.Output();
   EXPECT_GE(SeqsOf(ReadChannels(answers), Part::kSeeds).size(), seqs.size() - 5);
 }
 
-TEST(RecordRobot, SaysThatTheFolderHasVanished) {
-  const TemporaryDirectory folder;
-  const fs::path logs = folder / "logs";
+TEST_F(RecordRobot, SaysThatTheFolderHasVanished) {
+  const fs::path logs = folder_ / "logs";
   Graph graph;
   Process& record = graph.Start("record", {"--dir", logs});
   graph.Start("capture", kCamera);
   ASSERT_TRUE(HasRecorded(graph, 20));
-  fs::rename(logs, folder / "elsewhere");
+  fs::rename(logs, folder_ / "elsewhere");
   ASSERT_EQ(record.Wait(), 1) << record.Output();
   EXPECT_THAT(record.Output(), HasSubstr("logs: has vanished"));
-  EXPECT_THAT(Summarise(Logs(folder / "elsewhere")[0]).status.last_error, HasSubstr("vanished"));
+  EXPECT_THAT(Summarise(Logs(folder_ / "elsewhere")[0]).status.last_error, HasSubstr("vanished"));
 }
 
-TEST(RecordRobot, RefusesFlagsThatCannotWork) {
-  const TemporaryDirectory folder;
-  const fs::path logs = folder / "logs";
+TEST_F(RecordRobot, RefusesFlagsThatCannotWork) {
+  const fs::path logs = folder_ / "logs";
   const auto output_of = [&](std::vector<std::string> flags) {
     flags.insert(flags.begin(), {ProgramPath("sprout-record"), "--dir", logs});
     Process record(flags);

@@ -10,7 +10,7 @@
 #include "common/bus/channels.h"
 #include "common/messages/codec.h"
 #include "common/messages/packed.h"
-#include "tests/common/picture/temporary_directory.h"
+#include "tests/common/testing/test_with_folder.h"
 #include "tests/system/graph.h"
 #include "tests/system/log_bytes.h"
 
@@ -21,7 +21,6 @@ using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
 using testing::IsSubsetOf;
-using testing::UnorderedElementsAre;
 
 const std::string kRecord = std::string(SPROUT_SOURCE_DIR) + "/scripts/record";
 
@@ -51,17 +50,18 @@ std::vector<std::string> ChannelNames(const ChannelBytes& channels) {
   return names;
 }
 
-TEST(RecordSystem, WritesTheRawChannelsWithoutAGap) {
-  const TemporaryDirectory folder;
+class RecordSystem : public TestWithFolder {};
+
+TEST_F(RecordSystem, WritesTheRawChannelsWithoutAGap) {
   Graph graph;
   graph.Start("refine");
   graph.Start("capture", {"--source", "synthetic:160x120", "--rate", "20"});
-  Process record({kRecord, "--dir", folder / "logs", "--seconds", "2", "run"});
+  Process record({kRecord, "--dir", folder_ / "logs", "--seconds", "2", "run"});
   EXPECT_TRUE(record.Wait()) << record.Output();
-  const ChannelBytes channels = ReadChannels(folder / "logs/run.lcm");
+  const ChannelBytes channels = ReadChannels(folder_ / "logs/run.lcm");
   EXPECT_THAT(ChannelNames(channels),
-              UnorderedElementsAre("SPROUT_LEFT", "SPROUT_PROCESS", "SPROUT_RIG", "SPROUT_RIGHT",
-                                   "SPROUT_STATUS", "SPROUT_TOF"))
+              testing::UnorderedElementsAre("SPROUT_LEFT", "SPROUT_PROCESS", "SPROUT_RIG",
+                                            "SPROUT_RIGHT", "SPROUT_STATUS", "SPROUT_TOF"))
       << record.Output();
   const auto& left = channels.at("SPROUT_LEFT");
   EXPECT_GE(left.size(), 20U);
@@ -71,16 +71,15 @@ TEST(RecordSystem, WritesTheRawChannelsWithoutAGap) {
   }
 }
 
-TEST(RecordSystem, HasWhatEveryProcessIsAlthoughItBeginsLater) {
-  const TemporaryDirectory folder;
+TEST_F(RecordSystem, HasWhatEveryProcessIsAlthoughItBeginsLater) {
   Graph graph;
   graph.Start("refine");
   graph.Start("capture", {"--source", "synthetic:160x120", "--rate", "20"});
   ASSERT_TRUE(graph.WaitUntil([&](Graph& g) { return g.statuses["refine"].frames_out > 10; }));
-  Process record({kRecord, "--dir", folder / "logs", "--seconds", "4", "run"});
+  Process record({kRecord, "--dir", folder_ / "logs", "--seconds", "4", "run"});
   EXPECT_TRUE(record.Wait()) << record.Output();
   std::map<std::string, ProcessInfo> processes;
-  const ChannelBytes channels = ReadChannels(folder / "logs/run.lcm");
+  const ChannelBytes channels = ReadChannels(folder_ / "logs/run.lcm");
   for (const auto& bytes : channels.at("SPROUT_PROCESS")) {
     const auto info = DecodeProcessInfo(bytes);
     ASSERT_TRUE(info) << info.error().text;
@@ -92,15 +91,14 @@ TEST(RecordSystem, HasWhatEveryProcessIsAlthoughItBeginsLater) {
   EXPECT_EQ(processes["refine"].version, graph.statuses["refine"].version);
 }
 
-TEST(RecordSystem, RecordsInFewerBytesWhenAsked) {
-  const TemporaryDirectory folder;
+TEST_F(RecordSystem, RecordsInFewerBytesWhenAsked) {
   Graph graph;
   graph.Start("refine");
   graph.Start("capture", {"--source", "synthetic:160x120", "--rate", "20"});
-  Process record({kRecord, "--dir", folder / "logs", "--seconds", "2", "--compress", "run"});
+  Process record({kRecord, "--dir", folder_ / "logs", "--seconds", "2", "--compress", "run"});
   EXPECT_TRUE(record.Wait()) << record.Output();
   EXPECT_THAT(record.Output(), HasSubstr("MB of messages became"));
-  const ChannelBytes channels = ReadChannels(folder / "logs/run.lcm");
+  const ChannelBytes channels = ReadChannels(folder_ / "logs/run.lcm");
   EXPECT_GE(channels.at("SPROUT_LEFT").size(), 20U);
   for (const auto& [channel, messages] : channels) {
     for (const auto& bytes : messages) {
@@ -115,20 +113,19 @@ TEST(RecordSystem, RecordsInFewerBytesWhenAsked) {
 }
 
 // Live, from a log, and as JPEG.
-TEST(RecordSystem, ReplaysACompressedLogToTheSameBytes) {
-  const TemporaryDirectory folder;
+TEST_F(RecordSystem, ReplaysACompressedLogToTheSameBytes) {
   const auto run = [](std::vector<std::string> command) {
     Process process(std::move(command));
     EXPECT_EQ(process.Wait(std::chrono::seconds(120)), 0) << process.Output();
   };
-  const std::string small = folder / "small.lcm";
-  const std::string jpeg = folder / "jpeg.lcm";
+  const std::string small = folder_ / "small.lcm";
+  const std::string jpeg = folder_ / "jpeg.lcm";
   run({ProgramPath("sprout-log"), "compress", kSampleLog, small});
   run({ProgramPath("sprout-log"), "compress", "--jpeg", "90", kSampleLog, jpeg});
   EXPECT_LT(std::filesystem::file_size(small), std::filesystem::file_size(kSampleLog));
   const auto replay = [&](const std::string& log, const char* name) {
-    run({ProgramPath("sprout-pipeline"), "--replay", log, "--record", folder / name});
-    return ReadChannels(folder / name);
+    run({ProgramPath("sprout-pipeline"), "--replay", log, "--record", folder_ / name});
+    return ReadChannels(folder_ / name);
   };
   const ChannelBytes expected = replay(kSampleLog, "answers.lcm");
   EXPECT_TRUE(replay(small, "answers_small.lcm") == expected);
@@ -136,29 +133,28 @@ TEST(RecordSystem, ReplaysACompressedLogToTheSameBytes) {
             expected.at("SPROUT_DISPARITY").size());
 }
 
-TEST(RecordSystem, EndsWithASignalAndTakesAllChannelsOnDemand) {
-  const TemporaryDirectory folder;
+TEST_F(RecordSystem, EndsWithASignalAndTakesAllChannelsOnDemand) {
   Graph graph("A_");
   graph.Start("refine");
-  Process record({kRecord, "--dir", folder / "logs", "--all", "--channel-prefix", "A_", "run.lcm"});
+  Process record(
+      {kRecord, "--dir", folder_ / "logs", "--all", "--channel-prefix", "A_", "run.lcm"});
   // The log appears with the first status.
-  ASSERT_TRUE(graph.WaitUntil([&](Graph&) { return !GrowingLog(folder / "logs").empty(); }));
+  ASSERT_TRUE(graph.WaitUntil([&](Graph&) { return !GrowingLog(folder_ / "logs").empty(); }));
   record.Signal(SIGINT);
   EXPECT_TRUE(record.Wait()) << record.Output();
   EXPECT_THAT(
-      ChannelNames(ReadChannels(folder / "logs/run.lcm")),
+      ChannelNames(ReadChannels(folder_ / "logs/run.lcm")),
       AllOf(Contains("A_SPROUT_STATUS"), IsSubsetOf({"A_SPROUT_PROCESS", "A_SPROUT_STATUS"})));
 }
 
-TEST(RecordSystem, SaysSoWhenOneImageOfThePairIsMissing) {
-  const TemporaryDirectory folder;
+TEST_F(RecordSystem, SaysSoWhenOneImageOfThePairIsMissing) {
   Graph graph;
   graph.Start("refine");
-  Process record({kRecord, "--dir", folder / "logs", "--seconds", "3", "run"});
+  Process record({kRecord, "--dir", folder_ / "logs", "--seconds", "3", "run"});
   ASSERT_TRUE(graph.WaitUntil([&](Graph&) {
     graph.PublishPart({.utime = 1, .seq = 1, .rig_id = "a"}, Part::kRight,
                       cv::Mat(cv::Mat1b(9, 9)));
-    return !GrowingLog(folder / "logs").empty();
+    return !GrowingLog(folder_ / "logs").empty();
   }));
   EXPECT_EQ(record.Wait(), 1);
   EXPECT_THAT(record.Output(), HasSubstr("SPROUT_LEFT is missing: every one was lost"));
@@ -166,7 +162,7 @@ TEST(RecordSystem, SaysSoWhenOneImageOfThePairIsMissing) {
 
 // A terminal that is closed, and a script that is killed: neither may leave a recorder behind,
 // which would write for ever.
-TEST(RecordSystem, LeavesNoRecorderBehind) {
+TEST_F(RecordSystem, LeavesNoRecorderBehind) {
   for (const int signal : {SIGHUP, SIGKILL}) {
     const TemporaryDirectory folder;
     Graph graph;
@@ -184,12 +180,11 @@ TEST(RecordSystem, LeavesNoRecorderBehind) {
   }
 }
 
-TEST(RecordSystem, LeavesNoEmptyLogBehindWhenTheUrlIsBad) {
-  const TemporaryDirectory folder;
-  Process record({kRecord, "--dir", folder / "logs", "--lcm-url", "nonsense://", "run"});
+TEST_F(RecordSystem, LeavesNoEmptyLogBehindWhenTheUrlIsBad) {
+  Process record({kRecord, "--dir", folder_ / "logs", "--lcm-url", "nonsense://", "run"});
   EXPECT_EQ(record.Wait(), 2);
   EXPECT_THAT(record.Output(), HasSubstr("--lcm-url"));
-  EXPECT_TRUE(GrowingLog(folder / "logs").empty());
+  EXPECT_TRUE(GrowingLog(folder_ / "logs").empty());
 }
 
 TEST(DemoScript, RefusesASecondOneAtATime) {
@@ -205,10 +200,9 @@ TEST(DemoScript, RefusesASecondOneAtATime) {
   close(descriptor);
 }
 
-TEST(RecordSystem, CountsNoGapsWhereDepthGivesEveryThirdFrame) {
-  const TemporaryDirectory folder;
+TEST_F(RecordSystem, CountsNoGapsWhereDepthGivesEveryThirdFrame) {
   Graph graph;
-  graph.Start("record", {"--dir", folder / "logs", "--channels", "SPROUT_DEPTH", "--config",
+  graph.Start("record", {"--dir", folder_ / "logs", "--channels", "SPROUT_DEPTH", "--config",
                          "depth { every: 3 }"});
   const DepthImage depth{
       .counts = cv::Mat1w(9, 9, uint16_t{0}), .metres_per_count = 0.001, .focal_px = 9};
@@ -222,21 +216,19 @@ TEST(RecordSystem, CountsNoGapsWhereDepthGivesEveryThirdFrame) {
   });
 }
 
-TEST(RecordSystem, SaysSoWhenNoFrameCame) {
-  const TemporaryDirectory folder;
+TEST_F(RecordSystem, SaysSoWhenNoFrameCame) {
   Graph graph;
   graph.Start("refine");
-  Process record({kRecord, "--dir", folder / "logs", "--seconds", "4", "run"});
+  Process record({kRecord, "--dir", folder_ / "logs", "--seconds", "4", "run"});
   EXPECT_EQ(record.Wait(), 1);
   EXPECT_THAT(record.Output(), HasSubstr("no frame was recorded; is capture running"));
 }
 
-TEST(RecordSystem, SaysSoWhenThereIsNothingToRecord) {
-  const TemporaryDirectory folder;
-  Process record({kRecord, "--dir", folder / "logs", "--seconds", "1", "run"});
+TEST_F(RecordSystem, SaysSoWhenThereIsNothingToRecord) {
+  Process record({kRecord, "--dir", folder_ / "logs", "--seconds", "1", "run"});
   EXPECT_EQ(record.Wait(), 1);
   EXPECT_THAT(record.Output(), HasSubstr("nothing came; is the graph running"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "logs/run.lcm"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "logs/run.lcm"));
 }
 
 }  // namespace
