@@ -44,9 +44,7 @@ RectifiedPair ResizedPair(RectifiedPair pair, cv::Size size) {
 }  // namespace
 
 BenchFrame LoadBenchFrame(const std::string& folder, cv::Size size) {
-  CaptureConfig config;
-  config.set_source("middlebury:" + folder);
-  const auto source = scenes::OpenDataset(config);
+  const auto source = scenes::OpenDataset("middlebury:" + folder);
   BenchFrame bench{.rig = source->rig(), .frame = source->Get(0), .left = {}, .right = {}};
   bench.rig.pair = ResizedPair(bench.rig.pair, size);
   bench.rig.tof = scenes::TofGridCamera(bench.rig.pair, kTofSpacingPx);

@@ -31,7 +31,6 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::seconds;
 using testing::AllOf;
 using testing::HasSubstr;
-using testing::MatchesRegex;
 
 // What a stretch of frames was like.
 struct Tally {
@@ -331,7 +330,7 @@ TEST_F(GenicamRig, SaysWhatACameraRefusesAndTriesAgain) {
   rig.mutable_right()->set_gain_db(6);
   // Nothing but what a busy machine does to the simulators: one exposes too late for a pair.
   EXPECT_THAT(Take(*capture::OpenGenicam(rig, "rig"), 10).troubles,
-              MatchesRegex("(images without a partner [^;]*; )*"));
+              testing::MatchesRegex("(images without a partner [^;]*; )*"));
 }
 
 TEST_F(GenicamRig, GivesDepthsOfACameraThatMeasuresAlongTheRay) {

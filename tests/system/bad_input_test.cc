@@ -9,14 +9,10 @@
 namespace sprout {
 namespace {
 
-using testing::HasSubstr;
-
 // One frame of a synthetic scene, to send by hand.
 struct HandFrame {
   explicit HandFrame(const std::string& source = "synthetic:160x120") {
-    CaptureConfig config;
-    config.set_source(source);
-    const auto frames = scenes::OpenDataset(config);
+    const auto frames = scenes::OpenDataset(source);
     frame = frames->Get(0);
     rig = frames->rig();
   }
@@ -199,7 +195,7 @@ TEST(BadInputSystem, WrongFlagsEndWithExitCode2AndOneLine) {
     for (std::string line; std::getline(output, line);) {
       if (line.starts_with("sprout-" + bad.stage + ": ")) lines += line + "\n";
     }
-    EXPECT_THAT(lines, HasSubstr(bad.message)) << process.Output();
+    EXPECT_THAT(lines, testing::HasSubstr(bad.message)) << process.Output();
     EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 1) << process.Output();
   }
 }

@@ -17,7 +17,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 // What sprout-check-stage says about a program, on the network that the test runs in.
 struct Verdict {
@@ -167,7 +166,7 @@ TEST(CheckStageSystem, PassesTheProgramsWithoutAFault) {
   for (const Verdict& verdict :
        {CheckWrongPrior("none"), CheckCapture({ProgramPath("wrong_capture"), "none"})}) {
     EXPECT_EQ(verdict.exit_code, 0) << verdict.output;
-    EXPECT_THAT(verdict.wrong, IsEmpty());
+    EXPECT_THAT(verdict.wrong, testing::IsEmpty());
   }
 }
 

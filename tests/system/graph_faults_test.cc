@@ -22,7 +22,6 @@
 namespace sprout {
 namespace {
 
-using std::chrono::seconds;
 using testing::HasSubstr;
 
 constexpr int64_t kHourUs = 3'600'000'000;
@@ -53,9 +52,7 @@ TEST(ClockSystem, AnHourOffEitherWayLosesNothingAndIsSaid) {
   Graph graph;
   GraphRecord record(kDefaultLcmUrl);
   StartStages(graph);
-  CaptureConfig config;
-  config.set_source("synthetic:160x120");
-  const auto source = scenes::OpenDataset(config);
+  const auto source = scenes::OpenDataset("synthetic:160x120");
   const std::string rig_id = RigId(source->rig());
   int64_t sent = 0;
   const auto send = [&](int64_t seq, int64_t offset_us) {
@@ -170,7 +167,7 @@ TEST(FullDiskSystem, RecordSaysSoAndKeepsTheLog) {
   graph.Start("capture", {"--source", "synthetic:640x480", "--rate", "10"});
   Process record(
       {std::string(SPROUT_SOURCE_DIR) + "/scripts/record", "--dir", folder / "disk", "run"});
-  EXPECT_EQ(record.Wait(seconds(60)), 1);
+  EXPECT_EQ(record.Wait(std::chrono::seconds(60)), 1);
   EXPECT_THAT(record.Output(), HasSubstr("No space left on device"));
   EXPECT_GT(EventsIn(folder / "disk/run.lcm"), 20);
 }

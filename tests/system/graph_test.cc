@@ -61,9 +61,7 @@ TEST(GraphSystem, WithoutATofCameraStereoGivesTheMapAndTheStatusesSayNoCoverage)
     return g.parts.contains({Part::kDisparity, kFrames - 1}) &&
            g.statuses["grow"].frames_out == kFrames;
   }));
-  CaptureConfig config;
-  config.set_source(kWithoutTof);
-  const auto source = scenes::OpenDataset(config);
+  const auto source = scenes::OpenDataset(kWithoutTof);
   graph.WaitUntil([&](Graph& g) {
     for (int64_t seq = 0; seq < kFrames; ++seq) {
       const auto& map = std::get<DisparityImage>(g.parts.at({Part::kDisparity, seq}));

@@ -16,8 +16,6 @@
 namespace sprout {
 namespace {
 
-using testing::HasSubstr;
-
 constexpr char kSource[] = "synthetic:320x240";
 
 // The answers of a program to the sample and further logs.
@@ -58,9 +56,7 @@ TEST(OneProcessSystem, FusesFramesToTheBytesOfSproutTemporal) {
   constexpr int kFrames = 5;
   constexpr Part kFusedParts[] = {Part::kFused, Part::kFusedConfidence, Part::kMotion};
   const std::string config = "temporal { in_pipeline: true }";
-  CaptureConfig capture;
-  capture.set_source(kSource);
-  const auto source = scenes::OpenDataset(capture);
+  const auto source = scenes::OpenDataset(kSource);
   const TemporaryDirectory folder;
   LogWriter writer(folder / "in.lcm");
   Graph graph;
@@ -204,7 +200,7 @@ TEST(OneProcessSystem, RefusesFlagsOfFilesThatCannotBeUsedInOneLine) {
     command.insert(command.end(), flags.begin(), flags.end());
     Process process(command);
     EXPECT_EQ(process.Wait(), 2) << text << "\n" << process.Output();
-    EXPECT_THAT(process.Output(), HasSubstr(text));
+    EXPECT_THAT(process.Output(), testing::HasSubstr(text));
     EXPECT_EQ(std::ranges::count(process.Output(), '\n'), 1) << process.Output();
   }
 }

@@ -50,9 +50,7 @@ class SleepingStage {
 class Frames {
  public:
   explicit Frames(Graph& graph) : graph_(graph) {
-    CaptureConfig config;
-    config.set_source("synthetic:64x48");
-    const auto source = scenes::OpenDataset(config);
+    const auto source = scenes::OpenDataset("synthetic:64x48");
     rig_ = source->rig();
     frame_ = source->Get(0);
   }

@@ -38,9 +38,7 @@ TEST_P(PaperScenes, ComeOutAsInThePaper) {
     return g.parts.contains({Part::kDisparity, 0}) && g.statuses["grow"].frames_out == 1;
   }));
 
-  CaptureConfig config;
-  config.set_source(source);
-  const scenes::GroundTruth truth = scenes::OpenDataset(config)->Get(0).truth;
+  const scenes::GroundTruth truth = scenes::OpenDataset(source)->Get(0).truth;
   graph.WaitUntil([&](Graph& g) {
     const auto correct = [&](Part part) {
       const PartValue& value = g.parts.at({part, 0});

@@ -20,7 +20,6 @@ namespace sprout {
 namespace {
 
 using testing::HasSubstr;
-using testing::SizeIs;
 
 bool HasBytes(const std::filesystem::path& path) {
   std::error_code ignored;
@@ -110,7 +109,7 @@ TEST_P(ReplayOf, GivesTheBytesThatTheLiveRunPublished) {
   for (const auto& [part, log] : table) {
     const auto expected = BySeq(recorded, part);
     const auto replayed = BySeq(ReadChannels(log), part);
-    EXPECT_THAT(replayed, SizeIs(kFrames)) << ChannelOf(part);
+    EXPECT_THAT(replayed, testing::SizeIs(kFrames)) << ChannelOf(part);
     EXPECT_GT(expected.size(), 0U) << ChannelOf(part);
     for (const auto& [seq, bytes] : expected) {
       ASSERT_TRUE(replayed.contains(seq)) << ChannelOf(part) << " of frame " << seq;
@@ -141,9 +140,7 @@ TEST(ReplaySystem, AReplayOfARecordingWithAllChannelsGivesTheSame) {
 
 // A log on which grow is busy for a while.
 void WriteLongLog(const std::filesystem::path& path, int frames) {
-  CaptureConfig config;
-  config.set_source("synthetic:320x240");
-  const auto source = scenes::OpenDataset(config);
+  const auto source = scenes::OpenDataset("synthetic:320x240");
   const scenes::DatasetFrame captured = source->Get(0);
   SeedSet seeds;  // every eighth pixel of every eighth row
   for (int v = 4; v < captured.left.rows; v += 8) {

@@ -25,9 +25,7 @@
 namespace sprout {
 namespace {
 
-using std::chrono::milliseconds;
 using std::chrono::seconds;
-using testing::AllOf;
 using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
@@ -102,7 +100,7 @@ TEST_F(RigProgramsSystem, ASourceThatGaveNoFrameIsNoSuccess) {
   WriteAvi("good.avi", {Jpeg(), Jpeg(), Jpeg()}, 3);
   const auto [code, output] = Capture("opencv:" + File("good.avi"));
   EXPECT_EQ(code, 0) << output;
-  EXPECT_THAT(output, AllOf(HasSubstr("sent 3 frames"), Not(HasSubstr(" by its header"))));
+  EXPECT_THAT(output, testing::AllOf(HasSubstr("sent 3 frames"), Not(HasSubstr(" by its header"))));
 }
 
 TEST_F(RigProgramsSystem, AVideoThatEndsEarlySaysSo) {
@@ -138,7 +136,7 @@ TEST_F(RigProgramsSystem, WatchSurvivesAHostileSenderAndStillKeepsViews) {
     for (const HostileMessage& message : hostile.Next()) {
       if (publisher.Publish(message.channel, message.bytes)) ++sent;
     }
-    std::this_thread::sleep_for(milliseconds(10));
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   EXPECT_GT(sent, 300);
   ASSERT_EQ(watch.Wait(seconds(0)), std::nullopt) << watch.Output();

@@ -53,8 +53,7 @@ TEST(StuckSystem, NobodyWaitsForALogThatIsAFifo) {
 }
 
 TEST(StuckSystem, ASignalEndsWhoReadsASceneWithAFifoInIt) {
-  const scenes::SceneFolder scene;
-  scene.Write2005({413, 370});
+  const scenes::SceneFolder scene(cv::Size(413, 370));
   const fs::path fifo = MakeFifo(scene.File("dmin.txt"));
   ExpectEndsOnSigterm({ProgramPath("sprout-capture"), "--source", scene.Config().source()}, fifo);
 }

@@ -18,9 +18,7 @@ constexpr Part kAnswers[] = {Part::kFused, Part::kFusedConfidence, Part::kMotion
 
 // What temporal joins, of a simulated scene: its truth in place of grow's answers.
 std::vector<std::pair<FrameId, std::map<Part, PartValue>>> Frames(int count) {
-  CaptureConfig config;
-  config.set_source("synthetic:320x240");
-  const auto source = scenes::OpenDataset(config);
+  const auto source = scenes::OpenDataset("synthetic:320x240");
   std::vector<std::pair<FrameId, std::map<Part, PartValue>>> frames;
   for (int64_t seq = 0; seq < count; ++seq) {
     const scenes::DatasetFrame captured = source->Get(seq);

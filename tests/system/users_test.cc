@@ -24,9 +24,7 @@ TEST(DepthSystem, TurnsEveryMapIntoDepthAndPoints) {
       graph.StartOnly("capture", {"--source", kUsersSource, "--frames", "3", "--lockstep", "1",
                                   "--wait-for", "refine,prior,grow,depth"});
   EXPECT_EQ(capture.Wait(), 0) << capture.Output();
-  CaptureConfig config;
-  config.set_source(kUsersSource);
-  const auto source = scenes::OpenDataset(config);
+  const auto source = scenes::OpenDataset(kUsersSource);
   ASSERT_TRUE(graph.WaitUntil([](Graph& g) { return g.parts.contains({Part::kCloud, 2}); }));
   graph.WaitUntil([&](Graph& g) {
     for (int64_t seq = 0; seq < 3; ++seq) {
@@ -113,9 +111,7 @@ TEST_F(TopSystem, SaysWhoFellSilent) {
 // page, and counts; its seeds go out all the same.
 TEST_F(TopSystem, SaysWhatInAFrameDoesNotFit) {
   graph_.Start("refine", {"--config", "default", "--config", "refine { check_inputs_every: 1 }"});
-  CaptureConfig config;
-  config.set_source("synthetic:640x480?tof=grid");
-  const auto source = scenes::OpenDataset(config);
+  const auto source = scenes::OpenDataset("synthetic:640x480?tof=grid");
   const Rig rig = source->rig();
   int64_t seq = 0;
   const auto send = [&](const cv::Mat& left, const cv::Mat& right, const TofImage& tof) {

@@ -13,7 +13,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
-using ::testing::StartsWith;
 
 std::vector<uint8_t> Image(int64_t seq, int grey) {
   return EncodePart({.utime = seq, .seq = seq, .rig_id = "rig"}, Part::kLeft,
@@ -78,7 +77,7 @@ TEST_F(FrameAssemblerTest, CountsAndNamesABadMessage) {
   EXPECT_THAT(assembler_.Add("SPROUT_LEFT", cut), IsEmpty());
   EXPECT_THAT(assembler_.Add("SPROUT_LEFT", {}), IsEmpty());
   EXPECT_EQ(monitor_.Snapshot().bad_messages, 2);
-  EXPECT_THAT(monitor_.Snapshot().last_error, StartsWith("SPROUT_LEFT: "));
+  EXPECT_THAT(monitor_.Snapshot().last_error, ::testing::StartsWith("SPROUT_LEFT: "));
   EXPECT_THAT(assembler_.Add("SPROUT_SEEDS", Image(3, 99)), IsEmpty());
   EXPECT_THAT(monitor_.Snapshot().last_error, "SPROUT_SEEDS: fingerprint is not that of seeds_t");
 }

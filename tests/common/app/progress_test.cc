@@ -9,7 +9,6 @@ namespace sprout {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 // stderr is a terminal as long as it lives.
 class Terminal {
@@ -51,7 +50,7 @@ TEST(Progress, TellsForHowLongSomethingTakesAndErasesIt) {
   progress.ShowTime("computing left.png");
   EXPECT_THAT(terminal.ReadUntil("computing left.png, 1 s"), HasSubstr("computing left.png, 1 s"));
   progress.Show("writing");
-  EXPECT_THAT(terminal.ReadUntil("writing"), Not(HasSubstr("2 s")));
+  EXPECT_THAT(terminal.ReadUntil("writing"), ::testing::Not(HasSubstr("2 s")));
   progress.Clear();
   EXPECT_THAT(terminal.ReadUntil("\r\x1b[K"), HasSubstr("\r\x1b[K"));
 }

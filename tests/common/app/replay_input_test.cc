@@ -12,9 +12,6 @@ namespace sprout {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::SizeIs;
 
 class ReplayInputTest : public ::testing::Test {
  protected:
@@ -76,7 +73,7 @@ TEST_F(ReplayInputTest, CountsEventsAndChannels) {
   EXPECT_EQ(input.channels().Text(), "A (2), B (1)");
   EXPECT_EQ(input.progress(), 1);
   EXPECT_EQ(input.damaged_bytes(), 0);
-  EXPECT_THAT(log_.Lines(), IsEmpty());
+  EXPECT_THAT(log_.Lines(), ::testing::IsEmpty());
 }
 
 TEST_F(ReplayInputTest, ReportsATornTail) {
@@ -87,8 +84,8 @@ TEST_F(ReplayInputTest, ReportsATornTail) {
   EXPECT_TRUE(input.Next(event));
   EXPECT_FALSE(input.Next(event));
   EXPECT_GT(input.damaged_bytes(), 0);
-  ASSERT_THAT(log_.Lines(), SizeIs(1));
-  EXPECT_THAT(log_.Lines()[0], HasSubstr(path));
+  ASSERT_THAT(log_.Lines(), ::testing::SizeIs(1));
+  EXPECT_THAT(log_.Lines()[0], ::testing::HasSubstr(path));
 }
 
 TEST_F(ReplayInputTest, RefusesWhatIsNoLog) {

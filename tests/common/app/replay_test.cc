@@ -14,11 +14,9 @@
 namespace sprout {
 namespace {
 
-using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::SizeIs;
 
@@ -275,7 +273,7 @@ TEST_F(ReplayTest, NamesTheChannelsThatAreMissingAndThoseThatAreThere) {
 TEST_F(ReplayTest, NamesTheFramesThatAreThereWhenNoneIsInRange) {
   WriteLog(in_, FramesWithGrey({10, 11, 12}));
   EXPECT_THAT(ErrorOf({.first = 3, .last = 9}),
-              AllOf(HasSubstr("--frames: none of them in "), HasSubstr("it has 0:2")));
+              ::testing::AllOf(HasSubstr("--frames: none of them in "), HasSubstr("it has 0:2")));
 }
 
 TEST_F(ReplayTest, SaysSoWhenNoFrameIsComplete) {
@@ -332,7 +330,7 @@ TEST_F(ReplayTest, IsQuietWhenTheConfigurationIsTheRecordedOne) {
   const std::string again = folder_ / "again.lcm";
   std::filesystem::rename(out_, again);
   EXPECT_EQ(Run({}, {in_, again}), 0);
-  EXPECT_THAT(log_.Lines(), IsEmpty());
+  EXPECT_THAT(log_.Lines(), ::testing::IsEmpty());
 }
 
 TEST_F(ReplayTest, LeavesAnOlderFileAloneWhenItCannotWork) {

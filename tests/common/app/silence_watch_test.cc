@@ -11,14 +11,13 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::Not;
 
 TEST(SilenceText, NamesWhatIsMissingAndWhatIsHeardInstead) {
   const std::string text = SilenceText({"SPROUT_SEEDS", "SPROUT_RIG"}, {{"SPROUT_RIG", 5}},
                                        {{"SPROUT_LEFT", 10}, {"SPROUT_RIG", 1}});
   EXPECT_THAT(text, AllOf(HasSubstr("nothing heard on SPROUT_SEEDS;"),
                           HasSubstr("heard in a second: SPROUT_LEFT (10), SPROUT_RIG (1)"),
-                          Not(HasSubstr("prefix"))));
+                          ::testing::Not(HasSubstr("prefix"))));
 }
 
 TEST(SilenceText, PointsToChannelsWithAnotherPrefix) {

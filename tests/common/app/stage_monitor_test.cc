@@ -14,7 +14,6 @@ namespace {
 
 using std::chrono::milliseconds;
 using ::testing::HasSubstr;
-using ::testing::SizeIs;
 
 FrameId IdOf(int64_t seq) { return {.utime = NowUtime() - 5000, .seq = seq, .rig_id = "rig"}; }
 
@@ -182,7 +181,7 @@ TEST_F(StageMonitorTest, TakesBracesInAReasonAsTheyAre) {
   monitor_.BadMessage("SPROUT_TOF", "{} {0} {x:");
   monitor_.Failure("{} {0} {x:");
   monitor_.FrameFailed(IdOf(1), "{}");
-  ASSERT_THAT(log_.Lines(), SizeIs(3));
+  ASSERT_THAT(log_.Lines(), ::testing::SizeIs(3));
   EXPECT_THAT(log_.Lines()[0], HasSubstr("{} {0} {x:"));
   EXPECT_EQ(log_.Lines()[1], "error: {} {0} {x:");
   EXPECT_EQ(log_.Lines()[2], "error: frame 1: failed: {}");

@@ -19,7 +19,6 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 HangLimit WithFrames(size_t count, HangLimit::Duration frame) {
@@ -105,7 +104,7 @@ TEST(Supervision, IsToldOfReadinessAndStatus) {
   status.rate_hz = 9.96;
   NotifyStatus(status);
   EXPECT_THAT(manager.Heard(),
-              ElementsAre(HasSubstr("STATUS=12 frames, 10.0 a second, 3 skipped")));
+              ElementsAre(::testing::HasSubstr("STATUS=12 frames, 10.0 a second, 3 skipped")));
 }
 
 TEST(Supervision, TellsASocketWithAPath) {

@@ -8,7 +8,6 @@ namespace sprout {
 namespace {
 
 using Datagram = std::vector<uint8_t>;
-using std::chrono::milliseconds;
 
 constexpr DatagramJoiner::Sender kSender{1, 2};
 const DatagramJoiner::Time kNow{};
@@ -100,7 +99,7 @@ TEST_F(DatagramJoinerTest, GivesAMessageOnceHoweverOftenItComes) {
   EXPECT_EQ(Add(Short(1, "C", "abc")), "C abc");
   EXPECT_EQ(Add(Short(1, "C", "abc")), "");
   // A sender that was started again on the same port begins with the same numbers.
-  EXPECT_EQ(Add(Short(1, "C", "abc"), kSender, kNow + milliseconds(1100)), "C abc");
+  EXPECT_EQ(Add(Short(1, "C", "abc"), kSender, kNow + std::chrono::milliseconds(1100)), "C abc");
 }
 
 TEST_F(DatagramJoinerTest, TellsSendersApart) {

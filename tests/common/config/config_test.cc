@@ -15,7 +15,6 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 class ConfigFiles : public ::testing::Test {
  protected:
@@ -29,7 +28,7 @@ class ConfigFiles : public ::testing::Test {
     try {
       LoadConfig(files);
     } catch (const ConfigError& e) {
-      EXPECT_THAT(e.what(), Not(HasSubstr("\n"))) << "one line";
+      EXPECT_THAT(e.what(), ::testing::Not(HasSubstr("\n"))) << "one line";
       return e.what();
     }
     return "";

@@ -7,7 +7,6 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 using Names = std::vector<std::string>;
 
@@ -146,7 +145,7 @@ TEST(PairTimes, JoinsVideosOfDifferentRatesAndSaysWhatIsNearest) {
   EXPECT_EQ(paired.pairs[1].second, 3U);
   EXPECT_THAT(paired.alone_second, ElementsAre(1, 2, 4, 5));
   EXPECT_EQ(paired.least_spread_ms, 0);
-  EXPECT_THAT(PairTimes(first, {}, 16).pairs, IsEmpty());
+  EXPECT_THAT(PairTimes(first, {}, 16).pairs, testing::IsEmpty());
 }
 
 }  // namespace

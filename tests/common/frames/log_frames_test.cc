@@ -12,7 +12,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 class LogFramesTest : public ::testing::Test {
  protected:
@@ -119,7 +118,7 @@ TEST_F(LogFramesTest, GoesOnBehindDamage) {
   EXPECT_THAT(Seqs(ReadFile()), ElementsAre(0));
   ASSERT_EQ(damage_.size(), 1U);
   EXPECT_TRUE(damage_[0].tail);
-  EXPECT_THAT(refused_, IsEmpty());
+  EXPECT_THAT(refused_, ::testing::IsEmpty());
 }
 
 }  // namespace

@@ -11,7 +11,6 @@ namespace sprout {
 namespace {
 
 using testing::kNoDisparity;
-using testing::TargetNoise;
 
 // From 30 to 50 px of disparity around column 40, as `share` of the distance from there tells.
 template <typename Share>
@@ -69,7 +68,7 @@ TEST(EdgeWidth, IsTheSameFarSideLeftOrRightAndAlongTheRows) {
 }
 
 TEST(EdgeWidth, NoiseOnEitherSideDoesNotWidenIt) {
-  TargetNoise noise;
+  testing::TargetNoise noise;
   // 7 % of the step, so that many pixels beside the edge are beyond 10 %.
   EXPECT_NEAR(MedianWidth(noise.On(Ramp(10), 1.4)), 8, 0.6);
 }

@@ -12,7 +12,6 @@
 namespace sprout {
 namespace {
 
-using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 class ReadImageFile : public testing::Test {
@@ -88,8 +87,8 @@ TEST_F(ReadImageFile, RefusesLargeImagesByTheirHeaderAlone) {
   Patch(bmp, 18, "\xdc\xff\x00\x00\xdc\xff\x00\x00"s);
   for (const std::string& file : {png, jpeg, pgm, bmp}) {
     EXPECT_THAT(ErrorOf(file),
-                AllOf(HasSubstr("image " + file + ": 65500x65500 px"),
-                      HasSubstr("allowed: 1 to 16384 px a side and 100000000 pixels")));
+                ::testing::AllOf(HasSubstr("image " + file + ": 65500x65500 px"),
+                                 HasSubstr("allowed: 1 to 16384 px a side and 100000000 pixels")));
   }
   // From the top to the bottom: its height is negative.
   Patch(bmp, 22, "\x24\x00\xff\xff"s);

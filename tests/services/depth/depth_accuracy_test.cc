@@ -26,8 +26,6 @@
 namespace sprout::depth {
 namespace {
 
-using scenes::LensView;
-using scenes::Ray;
 using scenes::Solid;
 using scenes::SyntheticScene;
 
@@ -51,7 +49,7 @@ class Room {
   /// True depth along the axis of a camera.
   cv::Mat1f Depth(const Lens& lens, const Pose& left_from_camera) const {
     cv::Mat1f depth(lens.size(), std::numeric_limits<float>::quiet_NaN());
-    LensView(lens, left_from_camera.rotation, left_from_camera.translation_m, 1)
+    scenes::LensView(lens, left_from_camera.rotation, left_from_camera.translation_m, 1)
         .Cast(solids_, pair_.focal_px, [&](int x, int y, double z, const scenes::Vec3&) {
           depth(y, x) = static_cast<float>(z);
         });
@@ -76,7 +74,7 @@ class Room {
     const double u = pair_.focal_px * point.x() / point.z() + pair_.cx;
     const double v = pair_.focal_px * point.y() / point.z() + pair_.cy;
     if (u < 0 || v < 0 || u > pair_.width - 1 || v > pair_.height - 1) return false;
-    const Ray ray{{}, {point.x() / point.z(), point.y() / point.z(), 1}};
+    const scenes::Ray ray{{}, {point.x() / point.z(), point.y() / point.z(), 1}};
     return std::none_of(solids_.begin(), solids_.end(), [&](const Solid& solid) {
       return scenes::Intersect(solid, ray) < point.z() * (1 - 1e-4);
     });
@@ -282,9 +280,7 @@ DisparityImage Blurred(const cv::Mat1f& truth, int side_px) {
 }
 
 scenes::DatasetFrame FrameOf(const std::string& source, Rig& rig, int64_t index) {
-  CaptureConfig config;
-  config.set_source(source);
-  const auto dataset = scenes::OpenDataset(config);
+  const auto dataset = scenes::OpenDataset(source);
   rig = dataset->rig();
   return dataset->Get(index);
 }

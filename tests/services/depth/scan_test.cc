@@ -11,8 +11,6 @@
 namespace sprout::depth {
 namespace {
 
-using ::testing::HasSubstr;
-
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 
 // f·b = 10 px·m: 10 px are 1 m. The image sees 45° to either side.
@@ -117,7 +115,7 @@ TEST(ScanOf, IsRefusedForACameraThatLooksDown) {
   const Pose down{.rotation = {0, 1, 0, 0}, .translation_m = {0, 0, 2}};
   const auto scan = ScanOf(Wall(10), kScannedPair, down, kBand);
   ASSERT_FALSE(scan);
-  EXPECT_THAT(scan.error().text, HasSubstr("straight above or below"));
+  EXPECT_THAT(scan.error().text, ::testing::HasSubstr("straight above or below"));
 }
 
 TEST(LevelFromLeft, LooksForward) {

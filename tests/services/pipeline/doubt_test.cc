@@ -9,12 +9,11 @@
 namespace sprout {
 namespace {
 
-using inputs::Finding;
 using inputs::Findings;
 using inputs::Question;
 using inputs::Verdict;
 
-Finding Bad(Question question, double value) {
+inputs::Finding Bad(Question question, double value) {
   return {.question = question, .verdict = Verdict::kBad, .value = value, .sigma = 0.1};
 }
 

@@ -54,9 +54,7 @@ inline std::string RefusalOf(const FilesOptions& options) {
 class Files : public testing::Test {
  protected:
   Files() {
-    CaptureConfig config;
-    config.set_source("synthetic:160x120");
-    const auto dataset = scenes::OpenDataset(config);
+    const auto dataset = scenes::OpenDataset("synthetic:160x120");
     scene_ = dataset->Get(0);
     pair_ = dataset->rig().pair;
     cv::Mat1w tof_mm(pair_.height / kTofStep, pair_.width / kTofStep);

@@ -26,7 +26,6 @@ namespace {
 namespace fs = std::filesystem;
 
 using testing::HasSubstr;
-using testing::IsEmpty;
 using testing::StartsWith;
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -38,7 +37,7 @@ TEST_F(Files, HoldWhatThePipelineComputesOfAPairAndADepthImage) {
     options_.tof = folder_ / tof;
     const Ended outcome = RunToEnd(options_);
     EXPECT_EQ(outcome.exit_code, 0) << tof;
-    EXPECT_THAT(outcome.err, IsEmpty()) << tof;
+    EXPECT_THAT(outcome.err, testing::IsEmpty()) << tof;
     EXPECT_THAT(outcome.out, HasSubstr("/out: 160x120, " +
                                        std::to_string(expected.seeds.seeds.size()) + " seeds, "));
     ExpectResults(expected, pair_);
@@ -112,9 +111,7 @@ TEST_F(Files, OfOneNameInSeveralFoldersGoToFoldersOfTheirOwn) {
 }
 
 TEST_F(Files, OfAVideoAreFusedWhenAsked) {
-  CaptureConfig capture;
-  capture.set_source("synthetic:160x120");
-  const auto dataset = scenes::OpenDataset(capture);
+  const auto dataset = scenes::OpenDataset("synthetic:160x120");
   const std::vector<std::string> configs = {"default", "temporal { in_pipeline: true }",
                                             "depth { input: FUSED }"};
   Pipeline pipeline(LoadConfig(configs));

@@ -296,9 +296,7 @@ TEST(RigWatch, RefusesImagesOfAnotherSize) {
 
 // By hand, with --gtest_also_run_disabled_tests: the times of NOTES.md, one thread.
 TEST(RigWatch, DISABLED_TimeAt2Mp) {
-  CaptureConfig scene;
-  scene.set_source("synthetic:1600x1250?tof=sr4000");
-  const auto source = scenes::OpenDataset(scene);
+  const auto source = scenes::OpenDataset("synthetic:1600x1250?tof=sr4000");
   SelfCalibrateConfig config;  // defaults
   RigWatch watch(config);
   const int threads = cv::getNumThreads();

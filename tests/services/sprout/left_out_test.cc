@@ -10,13 +10,11 @@
 namespace sprout {
 namespace {
 
-using ::testing::HasSubstr;
-
 void ExpectRefused(std::vector<std::string> command, const std::string& why) {
   command[0] = (std::filesystem::path(SPROUT_BINARY_DIR) / command[0]).string();
   Process process(command);
   EXPECT_EQ(process.Wait(), 2) << command[0];
-  EXPECT_THAT(process.Output(), HasSubstr(why));
+  EXPECT_THAT(process.Output(), ::testing::HasSubstr(why));
 }
 
 #ifdef SPROUT_WITHOUT_GENICAM

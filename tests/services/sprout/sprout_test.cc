@@ -10,7 +10,6 @@ namespace sprout {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 const std::filesystem::path kBin = SPROUT_BINARY_DIR;
 
@@ -37,7 +36,7 @@ TEST(SproutProgram, ListsEveryProgramThatIsBuiltWithALineEach) {
     ++programs;
   }
   EXPECT_GT(programs, 0);
-  EXPECT_THAT(ended.output, Not(HasSubstr("\n                                ")))
+  EXPECT_THAT(ended.output, ::testing::Not(HasSubstr("\n                                ")))
       << "a program has more than one line";
   EXPECT_EQ(RunToEnd("sprout", {"--help"}).output, ended.output);
 }

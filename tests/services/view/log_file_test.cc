@@ -15,7 +15,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 class ViewLogTest : public ::testing::Test {
  protected:
@@ -134,7 +133,7 @@ TEST(SpreadOrder, GoesOverAllOfALogAtOnce) {
   EXPECT_THAT(SpreadOrder(8, 100), ElementsAre(0, 4, 2, 6, 1, 5, 3, 7));
   EXPECT_THAT(SpreadOrder(3, 100), ElementsAre(0, 2, 1));
   EXPECT_THAT(SpreadOrder(1000, 4), ElementsAre(0, 500, 250, 750));
-  EXPECT_THAT(SpreadOrder(0, 4), IsEmpty());
+  EXPECT_THAT(SpreadOrder(0, 4), ::testing::IsEmpty());
 }
 
 }  // namespace

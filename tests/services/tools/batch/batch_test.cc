@@ -20,9 +20,7 @@
 namespace sprout::batch {
 namespace {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 using testing::SizeIs;
 
 TEST(Tables, AreReadAsTheyWereWritten) {
@@ -60,8 +58,8 @@ TEST(Tables, SayHowFarMapsDiffer) {
       CompareFrames(*Answers(folder / "a", a), Answers(folder / "b", b).get(), Part::kDisparity,
                     /*truth=*/"");
   ASSERT_THAT(table.rows, SizeIs(1));
-  EXPECT_THAT(table.rows[0], ElementsAre(7, log::LogFrameId(7).utime, std::nullopt, 0.4, 0.2, 1.5,
-                                         3, 0, 0.1, std::nullopt, std::nullopt));
+  EXPECT_THAT(table.rows[0], testing::ElementsAre(7, log::LogFrameId(7).utime, std::nullopt, 0.4,
+                                                  0.2, 1.5, 3, 0, 0.1, std::nullopt, std::nullopt));
 }
 
 TEST(Tables, AMissingDisparityIsWrongWhereTheTruthIsKnown) {
@@ -135,7 +133,7 @@ TEST(LogTry, LeavesAFileOfEachTryThatDidNotSucceed) {
   const TemporaryDirectory folder;
   const BatchFolder batch(folder / "");
   { const LogTry attempt(batch, 7); }
-  EXPECT_THAT(FailedTries(batch), IsEmpty());
+  EXPECT_THAT(FailedTries(batch), testing::IsEmpty());
   {
     LogTry attempt(batch, 7);
     attempt.Fail("first");

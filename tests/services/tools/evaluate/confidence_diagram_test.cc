@@ -8,7 +8,6 @@ namespace sprout::evaluate {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 // Of 100 pixels `bad` are wrong, and they come last; p is claimed of the last tenth alone.
 MethodResult ResultOf(const std::string& name, double bad, double claimed) {
@@ -54,7 +53,7 @@ TEST(ConfidenceSvg, HasNoReliabilityOfWhatClaimsNoProbability) {
   none.calibration.reset();
   const std::string svg = ConfidenceSvg({SceneWith("a", {rival, none})});
   EXPECT_THAT(svg, HasSubstr(">other</text>"));
-  EXPECT_THAT(svg, Not(HasSubstr("a&lt;b")));
+  EXPECT_THAT(svg, ::testing::Not(HasSubstr("a&lt;b")));
   EXPECT_EQ(CountParts(svg, "stroke-width=\"2.5\""), 1U);
   EXPECT_EQ(ConfidenceSvg({SceneWith("a", {none})}), "");
 }

@@ -10,8 +10,7 @@ namespace sprout::evaluate {
 namespace {
 
 TEST(Scene, IsAwayWhereNoToFPointIsWithinThreePixels) {
-  const scenes::KittiFolder folder;
-  folder.WriteStereo("000007");  // points at (20, 15) and (15, 25)
+  const scenes::KittiFolder folder("000007");  // points at (20, 15) and (15, 25)
   const std::string frame = folder.Config("/000007").source();
   const Scene scene = LoadScene(frame, TofChoice("scan"), {});
   for (int v = 0; v < scene.size().height; ++v) {
@@ -25,8 +24,7 @@ TEST(Scene, IsAwayWhereNoToFPointIsWithinThreePixels) {
 }
 
 TEST(Scene, CarriesATofCameraOfItsOwn) {
-  const scenes::SceneFolder folder;
-  folder.Write2005({40, 30});
+  const scenes::SceneFolder folder(cv::Size(40, 30));
   const std::filesystem::path path = std::filesystem::path(folder.File("x")).parent_path();
   const std::string name = path.filename();
   for (const std::string slash : {"", "/"}) {
@@ -38,8 +36,7 @@ TEST(Scene, CarriesATofCameraOfItsOwn) {
 }
 
 TEST(Scene, TakesWhatBothCamerasSeeFromKittisTruth) {
-  const scenes::KittiFolder folder;
-  folder.WriteStereo("000007");  // 5 px everywhere but at (0, 0)
+  const scenes::KittiFolder folder("000007");  // 5 px everywhere but at (0, 0)
   cv::Mat1w seen(30, 40, uint16_t{5 * 256});
   seen(cv::Rect(0, 0, 40, 1)) = 0;
   folder.WriteTruth("disp_noc_0/000007_10.png", seen);

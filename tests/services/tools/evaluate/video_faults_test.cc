@@ -30,9 +30,7 @@ struct VideoFrame {
 using Video = std::vector<VideoFrame>;
 
 Video Play(const std::string& source) {
-  CaptureConfig config;
-  config.set_source(source);
-  const auto dataset = scenes::OpenDataset(config);
+  const auto dataset = scenes::OpenDataset(source);
   Video video;
   for (int64_t i = 0; i < kFrames; ++i) {
     video.push_back({dataset->Get(i), {.utime = 1'000'000 + 100'000 * i, .seq = i}});
@@ -40,11 +38,7 @@ Video Play(const std::string& source) {
   return video;
 }
 
-Rig RigOf(const std::string& source) {
-  CaptureConfig config;
-  config.set_source(source);
-  return scenes::OpenDataset(config)->rig();
-}
+Rig RigOf(const std::string& source) { return scenes::OpenDataset(source)->rig(); }
 
 using Fault = std::function<void(Video&)>;
 

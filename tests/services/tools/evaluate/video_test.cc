@@ -245,8 +245,7 @@ TEST(EvaluateVideo, SaysWhatIsNoVideo) {
     return Thrown<ConfigError>([&] { EvaluateVideo(source, settings, [](int) {}); });
   };
   EXPECT_THAT(complaint("synthetic:160x120"), HasSubstr("2 frames (--frames): allowed are 3"));
-  const scenes::KittiFolder folder;
-  folder.WriteStereo("000000");
+  const scenes::KittiFolder folder("000000");
   folder.WriteCalibration("000000", "P2", "100 0 20 30 0 100 15 0 0 0 1 0");
   settings.frames = 5;
   EXPECT_THAT(complaint(folder.Config("/000000").source()),
