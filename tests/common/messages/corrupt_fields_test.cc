@@ -108,12 +108,8 @@ TEST(TofBorder, RefusesSizesThatDoNotFit) {
                      "width = -3", "1 to 16384"},
                     {"no row", [](M& m) { m.height = 0; }, "height = 0", "1 to 16384"},
                     {"too high", [](M& m) { m.height = 16385; }, "height = 16385", "1 to 16384"},
-                    {"depths of no image",
-                     [](M& m) {
-                       m.width = 0;
-                       m.height = 0;
-                     },
-                     "count = 6", "width × height = 0"},
+                    {"depths of no image", [](M& m) { m.width = m.height = 0; }, "count = 6",
+                     "width × height = 0"},
                     {"other size", [](M& m) { m.height = 3; }, "count = 6", "width × height = 9"},
                     {"one value missing",
                      [](M& m) {

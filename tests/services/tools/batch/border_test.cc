@@ -30,6 +30,12 @@ void WriteFile(const fs::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
+void FlipBit(const fs::path& path) {
+  std::string bytes = FileText(path);
+  bytes[bytes.size() / 2] ^= 1;
+  WriteFile(path, bytes);
+}
+
 const std::string kOddNames[] = {"two words",     " leading",
                                  "-dash",         "x'$(touch PWNED)'",
                                  "`touch PWNED`", "$(touch PWNED)",
@@ -152,47 +158,46 @@ TEST(FrameCommands, StandForThemselvesInAShellWhateverIsInTheNames) {
   }
 }
 
-TEST(FindLogs, NamesAndLeavesOutWhatCannotStandInAManifest) {
-  const TemporaryDirectory folder;
+class FoundLogsTest : public TestWithFolder {};
+
+TEST_F(FoundLogsTest, NamesAndLeavesOutWhatCannotStandInAManifest) {
   for (const char* name : {"a.lcm", "b\xe4.lcm", "c\nd.lcm", "\u00fc.lcm"}) {
-    WriteFile(folder / name, "x");
+    WriteFile(folder_ / name, "x");
   }
-  const FoundLogs found = FindLogs({folder / ""});
-  const std::string path = (folder / "").string();
+  const FoundLogs found = FindLogs({folder_ / ""});
+  const std::string path = (folder_ / "").string();
   EXPECT_THAT(found.logs, ElementsAre(path + "a.lcm", path + "\u00fc.lcm"));
   EXPECT_THAT(found.left_out, ElementsAre(path + "b\\xe4.lcm", path + "c\\x0ad.lcm"));
-  EXPECT_THAT(Thrown<ConfigError>([&] { FindLogs({folder / "b\xe4.lcm"}); }),
+  EXPECT_THAT(Thrown<ConfigError>([&] { FindLogs({folder_ / "b\xe4.lcm"}); }),
               HasSubstr("b\\xe4.lcm: is not allowed in the manifest; allowed are names in UTF-8"));
 }
 
-TEST(FindLogs, RefusesAListThatContainsItself) {
-  const TemporaryDirectory folder;
-  const std::string list = folder / "list.txt";
-  WriteFile(folder / "a.lcm", "x");
-  WriteFile(list, (folder / "a.lcm").string() + "\n@" + list + "\n");
+TEST_F(FoundLogsTest, RefusesAListThatContainsItself) {
+  const std::string list = folder_ / "list.txt";
+  WriteFile(folder_ / "a.lcm", "x");
+  WriteFile(list, (folder_ / "a.lcm").string() + "\n@" + list + "\n");
   EXPECT_THAT(Thrown<ConfigError>([&] { FindLogs({"@" + list}); }),
               HasSubstr("list.txt: the list contains itself"));
   // Also over another list, and over a link. Twice the same beside each other is none.
-  const std::string other = folder / "other.txt";
-  fs::create_symlink(list, folder / "link.txt");
+  const std::string other = folder_ / "other.txt";
+  fs::create_symlink(list, folder_ / "link.txt");
   WriteFile(list, "@" + other + "\n");
-  WriteFile(other, "@" + (folder / "link.txt").string() + "\n");
+  WriteFile(other, "@" + (folder_ / "link.txt").string() + "\n");
   EXPECT_THAT(Thrown<ConfigError>([&] { FindLogs({"@" + list}); }), HasSubstr("contains itself"));
-  WriteFile(other, (folder / "a.lcm").string() + "\n");
+  WriteFile(other, (folder_ / "a.lcm").string() + "\n");
   EXPECT_THAT(FindLogs({"@" + list, "@" + list}).logs, SizeIs(1));
   EXPECT_THAT(Thrown<ConfigError>([&] { FindLogs({"@/dev/zero"}); }), HasSubstr("no such list"));
 }
 
-TEST(FindLogs, ReadsAListOfWindows) {
-  const TemporaryDirectory folder;
-  WriteFile(folder / "a.lcm", "x");
-  const std::string path = folder / "a.lcm";
-  WriteFile(folder / "list.txt", "\xef\xbb\xbf" + path + "\r\n\r\n" + path + "\r\n");
-  EXPECT_THAT(FindLogs({"@" + (folder / "list.txt").string()}).logs, ElementsAre(path));
+TEST_F(FoundLogsTest, ReadsAListOfWindows) {
+  WriteFile(folder_ / "a.lcm", "x");
+  const std::string path = folder_ / "a.lcm";
+  WriteFile(folder_ / "list.txt", "\xef\xbb\xbf" + path + "\r\n\r\n" + path + "\r\n");
+  EXPECT_THAT(FindLogs({"@" + (folder_ / "list.txt").string()}).logs, ElementsAre(path));
 }
 
 // A result as a task leaves it.
-class AResult : public testing::Test {
+class AResult : public TestWithFolder {
  protected:
   void SetUp() override {
     ResultFolder result(path_);
@@ -202,13 +207,6 @@ class AResult : public testing::Test {
     result.Commit();
   }
 
-  void Flip(const char* name) const {
-    std::string bytes = FileText(path_ / name);
-    bytes[bytes.size() / 2] ^= 1;
-    WriteFile(path_ / name, bytes);
-  }
-
-  TemporaryDirectory folder_;
   fs::path path_ = folder_ / "result";
 };
 
@@ -227,7 +225,7 @@ TEST_F(AResult, IsNotWholeWhenAFileIsCutOrGone) {
 }
 
 TEST_F(AResult, IsNotWholeWhenABitIsFlipped) {
-  Flip("grow.lcm");
+  FlipBit(path_ / "grow.lcm");
   EXPECT_TRUE(IsWhole(path_, ResultCheck::kQuick));  // the bytes of logs are not read
   EXPECT_FALSE(IsWhole(path_, ResultCheck::kAll));
   MarkDamaged(path_);
@@ -235,11 +233,11 @@ TEST_F(AResult, IsNotWholeWhenABitIsFlipped) {
 }
 
 TEST_F(AResult, IsNotWholeWhenABitOfATableOrOfTheListIsFlipped) {
-  Flip("measures.csv");
+  FlipBit(path_ / "measures.csv");
   EXPECT_FALSE(IsWhole(path_, ResultCheck::kQuick));
-  Flip("measures.csv");
+  FlipBit(path_ / "measures.csv");
   EXPECT_TRUE(IsWhole(path_, ResultCheck::kQuick));
-  Flip("files.txt");
+  FlipBit(path_ / "files.txt");
   EXPECT_FALSE(IsWhole(path_, ResultCheck::kQuick));
 }
 
@@ -251,14 +249,14 @@ TEST_F(AResult, IsReplacedWhenItIsDamagedAndKeptWhenNot) {
   };
   write_again();
   EXPECT_THAT(FileText(path_ / "grow.lcm"), SizeIs(1000));
-  Flip("grow.lcm");
+  FlipBit(path_ / "grow.lcm");
   write_again();
   EXPECT_EQ(FileText(path_ / "grow.lcm"), "new");
   EXPECT_EQ(folder_.CountEntries(), 1);
 }
 
 // A batch with x done; y is not.
-class LinkedAnswers : public testing::Test {
+class LinkedAnswers : public TestWithFolder {
  protected:
   void SetUp() override {
     manifest_.mutable_variant()->RemoveLast();
@@ -271,7 +269,6 @@ class LinkedAnswers : public testing::Test {
     result.Commit();
   }
 
-  TemporaryDirectory folder_;
   BatchFolder batch_{folder_ / ""};
   Manifest manifest_ = ExampleManifest();
   fs::path link_ = batch_.answers(manifest_.log(0), 0);
@@ -306,9 +303,7 @@ TEST_F(LinkedAnswers, ReplaceNobodysLog) {
 }
 
 TEST_F(LinkedAnswers, AreNotThoseWithAFlippedBit) {
-  std::string bytes = FileText(batch_.result(manifest_, 0, 0) / kAnswers);
-  bytes[500] ^= 4;
-  WriteFile(batch_.result(manifest_, 0, 0) / kAnswers, bytes);
+  FlipBit(batch_.result(manifest_, 0, 0) / kAnswers);
   EXPECT_EQ(LinkAnswers(batch_, manifest_).missing, 2);
   EXPECT_FALSE(fs::exists(link_));
   EXPECT_EQ(StateOf(batch_, manifest_).missing, 2);  // the quick check knows it now
@@ -349,9 +344,7 @@ std::vector<fs::path> PathsBelow(const fs::path& folder) {
   return {logs.begin(), logs.end()};
 }
 
-class LogsBelowTest : public TestWithFolder {};
-
-TEST_F(LogsBelowTest, GivesLogsAndNothingElseSorted) {
+TEST_F(FoundLogsTest, GivesLogsAndNothingElseSorted) {
   EXPECT_THROW(LogsBelow(folder_ / ""), ConfigError);
   fs::create_directories(folder_ / "b/c.lcm");
   for (const char* name : {"z.lcm", "b/a.lcm", "a.lcm.part", "notes.txt", "b/c.lcm/d.lcm"}) {
@@ -361,7 +354,7 @@ TEST_F(LogsBelowTest, GivesLogsAndNothingElseSorted) {
               ElementsAre(folder_ / "b/a.lcm", folder_ / "b/c.lcm/d.lcm", folder_ / "z.lcm"));
 }
 
-TEST_F(LogsBelowTest, GivesALogWithSeveralNamesOnce) {
+TEST_F(FoundLogsTest, GivesALogWithSeveralNamesOnce) {
   const TemporaryDirectory elsewhere;
   fs::create_directory(folder_ / "b");
   std::ofstream(folder_ / "b/target.lcm") << "x";
@@ -376,7 +369,7 @@ TEST_F(LogsBelowTest, GivesALogWithSeveralNamesOnce) {
                                                     folder_ / "same_content.lcm"));
 }
 
-TEST_F(LogsBelowTest, NamesAFolderThatItMayNotRead) {
+TEST_F(FoundLogsTest, NamesAFolderThatItMayNotRead) {
   fs::create_directory(folder_ / "lost+found");
   fs::permissions(folder_ / "lost+found", fs::perms::none);
   fs::permissions(folder_ / "", fs::perms::all);
@@ -389,7 +382,7 @@ TEST_F(LogsBelowTest, NamesAFolderThatItMayNotRead) {
   EXPECT_THAT(error, HasSubstr("lost+found: cannot be read (Permission denied)"));
 }
 
-TEST_F(LogsBelowTest, LeavesOutWhatBatchesAnswered) {
+TEST_F(FoundLogsTest, LeavesOutWhatBatchesAnswered) {
   for (const char* path : {"out/results/ab/abc", "out/logs", "results/mon/am"}) {
     fs::create_directories(folder_ / path);
   }
