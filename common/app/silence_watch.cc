@@ -4,8 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <optional>
 
+#include "common/bus/lcm_url.h"
 #include "common/bus/receiver.h"
+#include "common/bus/udpm_socket.h"
 #include "common/core/sleep.h"
 
 namespace sprout {
@@ -14,26 +17,53 @@ namespace {
 // How long all channels are listened to: capture sends RIG, and everybody STATUS, once a second.
 constexpr std::chrono::milliseconds kSurveyTime{1200};
 
+// How long the datagrams of a message are on the way, at most.
+constexpr std::chrono::milliseconds kOnTheWay{200};
+
 // Channels that are named; anybody can invent more.
 constexpr size_t kMaxNamed = 20;
 
-MessageCounts Survey(const std::string& url, const std::stop_token& stop) {
-  std::mutex mutex;
-  MessageCounts counts;
-  const auto count = [&](std::string_view channel) {
-    const std::lock_guard lock(mutex);
-    if (counts.size() < kMaxNamed || counts.contains(std::string(channel))) {
-      ++counts[std::string(channel)];
-    }
-  };
-  {
-    // Bytes are of no interest: none are kept.
-    const Receiver receiver(
-        url, "", {Receiver::kAllChannels}, [](std::string_view, std::span<const uint8_t>) {}, count,
-        /*max_queued_bytes=*/0);
-    SleepFor(kSurveyTime, stop);
+void Count(std::string_view channel, MessageCounts& counts) {
+  if (counts.size() < kMaxNamed || counts.contains(std::string(channel))) {
+    ++counts[std::string(channel)];
   }
-  return counts;
+}
+
+// What is heard on all channels: messages of which the first datagram came, but for the last ones,
+// and whole ones. Bytes are of no interest.
+struct Survey {
+  MessageCounts begun;
+  MessageCounts whole;
+
+  Survey(const std::string& url, const std::stop_token& stop) {
+    if (IsUdpm(url)) {
+      const auto newest = std::chrono::steady_clock::now() + kSurveyTime - kOnTheWay;
+      UdpmSocket socket(url, [this, newest](std::string_view channel) {
+        if (std::chrono::steady_clock::now() < newest) Count(channel, begun);
+        return true;
+      });
+      const std::jthread listening([&](const std::stop_token& end) {
+        socket.Receive(
+            end, [this](const DatagramJoiner::Message& message) { Count(message.channel, whole); });
+      });
+      SleepFor(kSurveyTime, stop);
+    } else {
+      const Receiver receiver(
+          url, "", {Receiver::kAllChannels}, [](std::string_view, std::span<const uint8_t>) {},
+          [this](std::string_view channel) { Count(channel, whole); }, /*max_queued_bytes=*/0);
+      SleepFor(kSurveyTime, stop);
+    }
+  }
+};
+
+// Channels whose messages do not come whole.
+std::vector<std::string> TornChannels(const MessageCounts& begun, const MessageCounts& whole) {
+  std::vector<std::string> torn;
+  for (const auto& [channel, count] : begun) {
+    const auto found = whole.find(channel);
+    if (count > (found == whole.end() ? 0 : found->second)) torn.push_back(channel);
+  }
+  return torn;
 }
 
 // Channels of the same name behind other prefixes.
@@ -59,7 +89,7 @@ constexpr size_t kMaxTwins = 32;
 }  // namespace
 
 std::string SilenceText(const std::vector<std::string>& needed, const MessageCounts& counts,
-                        const MessageCounts& present) {
+                        const MessageCounts& present, const MessageCounts& begun) {
   std::vector<std::string> missing;
   std::vector<std::string> elsewhere;
   for (const std::string& channel : needed) {
@@ -74,6 +104,10 @@ std::string SilenceText(const std::vector<std::string>& needed, const MessageCou
                                                    fmt::join(missing, ", "));
   text += present.empty() ? "; nothing else is heard either"
                           : "; heard in a second: " + CountsText(present);
+  if (const std::vector<std::string> torn = TornChannels(begun, present); !torn.empty()) {
+    text += fmt::format("; messages of {} lack datagrams, which the network or this host loses",
+                        fmt::join(torn, ", "));
+  }
   if (!elsewhere.empty()) {
     text += fmt::format("; with another --channel-prefix: {}", fmt::join(elsewhere, ", "));
   }
@@ -110,36 +144,40 @@ void SilenceWatch::HeardFrame() {
   heard_frame_ = true;
   last_frame_ = now;
   warned_ = false;
-  if (warning_.empty()) return;
-  monitor_.Resolve(warning_);
-  warning_.clear();
+  for (const std::string& warning : warnings_) monitor_.Resolve(warning);
+  warnings_.clear();
 }
 
 void SilenceWatch::Watch(const std::stop_token& stop) {
   while (SleepFor(patience_ / 10, stop)) {
     {
       const std::lock_guard lock(mutex_);
-      if (warned_ || Clock::now() - last_frame_ < wait_) continue;
+      const Clock::time_point now = Clock::now();
+      const bool is_told = warned_ && (counts_.size() == told_ || now - told_at_ < patience_);
+      if (is_told || now - last_frame_ < wait_) continue;
       warned_ = true;
+      told_at_ = now;
     }
     Warn(stop);
   }
 }
 
 void SilenceWatch::Warn(const std::stop_token& stop) {
-  MessageCounts present;
+  std::optional<Survey> heard;
   std::string text;
   try {
-    present = Survey(url_, stop);
+    heard.emplace(url_, stop);
   } catch (const std::exception& e) {  // also of a machine without memory or threads left
     text = std::string("no whole frame, and nothing can be heard: ") + e.what();
   }
   if (stop.stop_requested()) return;  // it did not listen long enough to say what is missing
   const std::lock_guard lock(mutex_);
   if (!warned_) return;  // a frame has come meanwhile
-  warning_ = text.empty() ? SilenceText(needed_, counts_, present) : text;
-  monitor_.Warn(warning_);
-  monitor_.HoldWarning(warning_);
+  told_ = counts_.size();
+  if (heard) text = SilenceText(needed_, counts_, heard->whole, heard->begun);
+  monitor_.Warn(text);
+  monitor_.HoldWarning(text);
+  warnings_.push_back(std::move(text));
 }
 
 void DuplicateWatch::Heard(const StageStatus& status) {

@@ -23,12 +23,14 @@ using MessageCounts = std::map<std::string, int64_t>;
 /// @param needed   channels that make a frame, with prefix.
 /// @param counts   of these, since the last whole frame. @param present of all channels, during a
 ///                 short time.
+/// @param begun    as present, but also messages that did not come whole.
 std::string SilenceText(const std::vector<std::string>& needed, const MessageCounts& counts,
-                        const MessageCounts& present);
+                        const MessageCounts& present, const MessageCounts& begun = {});
 
 /// When a stage gets no complete frame for kPatience, or for three times the last interval between
-/// two of them (one minute at most), listens to all channels for a second and warns once; the
-/// warning is over with the next complete frame. Thread-safe.
+/// two of them (one minute at most), listens to all channels for a second and warns, again
+/// when another of its channels is heard; the warning is over with the next complete frame.
+/// Thread-safe.
 class SilenceWatch {
  public:
   static constexpr std::chrono::seconds kPatience{5};
@@ -62,8 +64,10 @@ class SilenceWatch {
   MessageCounts counts_;
   Clock::time_point last_frame_ = Clock::now();
   bool warned_ = false;
-  std::string warning_;  // that holds now
-  std::jthread thread_;  // last: stops before the rest is destroyed
+  size_t told_ = 0;  // channels heard when it warned, and when that was
+  Clock::time_point told_at_;
+  std::vector<std::string> warnings_;  // that hold now, at most one a channel
+  std::jthread thread_;                // last: stops before the rest is destroyed
 };
 
 /// Warns of other processes of the same stage on the same channels, once each; the warning is over

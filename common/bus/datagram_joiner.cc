@@ -68,7 +68,7 @@ std::optional<DatagramJoiner::Message> DatagramJoiner::AddShort(const Name& name
                                                                 std::span<const uint8_t> rest,
                                                                 Time now) {
   const auto channel = TakeChannel(rest);
-  if (!channel || !is_wanted_(*channel) || IsDone(name, now)) return std::nullopt;
+  if (!channel || IsDone(name, now) || !is_wanted_(*channel)) return std::nullopt;
   Message message{.channel = std::string(*channel), .bytes = NewBytes(rest.size())};
   std::copy(rest.begin(), rest.end(), message.bytes.data.get());
   done_.emplace_back(name, now);

@@ -20,6 +20,12 @@ TEST(SilenceText, NamesWhatIsMissingAndWhatIsHeardInstead) {
                           ::testing::Not(HasSubstr("prefix"))));
 }
 
+TEST(SilenceText, TellsWhoseMessagesComeInPart) {
+  const std::string text = SilenceText({"SPROUT_LEFT", "SPROUT_RIG"}, {}, {{"SPROUT_RIG", 1}},
+                                       {{"SPROUT_LEFT", 1}, {"SPROUT_RIG", 1}});
+  EXPECT_THAT(text, HasSubstr("; messages of SPROUT_LEFT lack datagrams"));
+}
+
 TEST(SilenceText, PointsToChannelsWithAnotherPrefix) {
   EXPECT_THAT(SilenceText({"SPROUT_SEEDS"}, {}, {{"B_SPROUT_SEEDS", 3}, {"B_SPROUT_LEFT", 3}}),
               HasSubstr("with another --channel-prefix: B_SPROUT_SEEDS"));
@@ -49,6 +55,26 @@ TEST(SilenceWatch, WaitsThreeIntervalsOfASlowCamera) {
     std::this_thread::sleep_for(milliseconds(100));
   }
   EXPECT_THAT(log.Lines(), ElementsAre(HasSubstr("no whole frame")));
+}
+
+TEST(SilenceWatch, WarnsAgainWhenMoreIsHeard) {
+  using std::chrono::milliseconds;
+  const CapturedLog log;
+  const ServiceContext context{
+      .stage = "grow", .config = {}, .lcm_url = "memq://", .prefix = "", .replay = {}, .stop = {}};
+  StageMonitor monitor("grow", "");
+  SilenceWatch silence(context, {"SPROUT_LEFT", "SPROUT_RIG"}, monitor, milliseconds(1200));
+  const auto wait_for = [&](size_t lines) {
+    for (int i = 0; i < 100 && log.Lines().size() < lines; ++i) {
+      std::this_thread::sleep_for(milliseconds(100));
+    }
+  };
+  wait_for(1);
+  silence.Heard("SPROUT_RIG");
+  wait_for(2);
+  EXPECT_THAT(log.Lines(), ElementsAre(HasSubstr("no whole frame"), HasSubstr("no whole frame")));
+  std::this_thread::sleep_for(milliseconds(1500));  // nothing new
+  EXPECT_EQ(log.Lines().size(), 2U);
 }
 
 class TwinWatchTest : public ::testing::Test {
