@@ -48,6 +48,15 @@ void PutFirst(StageResult& result, const std::string& finding) {
   result.range_error = finding + (others.empty() ? "" : "; " + others);
 }
 
+std::string ContradictionText(const Contradiction& contradiction) {
+  const auto dropped = std::ranges::count(contradiction.points, 1);
+  return fmt::format(
+      "stereo contradicts the range points at {:.0f} % of its matches: {:.0f} % of the points are "
+      "not believed",
+      100 * contradiction.share,
+      100.0 * static_cast<double>(dropped) / static_cast<double>(contradiction.points.size()));
+}
+
 std::string PlaceText(const SensorPlace& place) {
   const std::string where =
       place.scale != 1
@@ -237,6 +246,9 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
   outcome.ranges_refused =
       refined.fits && (refiner_.range_error().Refuses() || refiner_.are_noise());
   if (refined.fits) outcome.range_error = RangeErrorText(refiner_.range_error());
+  if (refined.fits && !refiner_.contradiction().points.empty()) {
+    PutFirst(outcome, ContradictionText(refiner_.contradiction()));
+  }
   if (refined.fits && refiner_.scan_move().is_off) {
     PutFirst(outcome, ScanMoveText(refiner_.scan_move()));
   }

@@ -161,11 +161,16 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
       InputOf(left, right, rig),
       {.field = config_.range_bias() == RefineConfig::FIELD, .error_m = config_.range_error_m()},
       points_);
+  against_ = {};
   const bool displaced = IsDisplaced(left, right, tof, projector);
   if (displaced) range_error_.rejected = true;
+  const auto is_contradicted = [&](size_t i) {
+    return displaced || range_.contradicted()[i] != 0 ||
+           (!against_.points.empty() && against_.points[i] != 0);
+  };
   size_t kept = 0;
   for (size_t i = 0; i < points_.size(); ++i) {
-    if (!displaced && range_.contradicted()[i] == 0) points_[kept++] = points_[i];
+    if (!is_contradicted(i)) points_[kept++] = points_[i];
   }
   if (range_error_.moved_share == 0 && kept == points_.size()) return;
   result.contradicted += static_cast<int32_t>(points_.size() - kept);
@@ -173,15 +178,23 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
   surface_.Set(rig, points_);
 }
 
-// Whether stereo that knows nothing of the points shows that all belong elsewhere. Asked only where
-// much is wrong with them: first of coarse matches, which take a fifth of the time.
+// Whether much is wrong with the points, or they are nearer than anything that stereo looks for.
+bool Refiner::IsDoubtful(int columns) const {
+  if (range_error_.Refuses() || !config_.stereo_seeds() || !surface_.has_pixels()) return false;
+  const auto most_px = static_cast<float>(stereo_.MostDisparityPx(columns));
+  const auto near = std::ranges::count_if(
+      points_, [&](const ProjectedPoint& point) { return point.seed.disparity() > most_px; });
+  return range_error_.contradicted_share > RangeRules::kDoubtfulShare ||
+         range_error_.far_from_curve_share > RangeRules::kDoubtfulMoves ||
+         static_cast<double>(near) > RangeRules::kNearShare * static_cast<double>(points_.size());
+}
+
+// Whether stereo that knows nothing of the points shows that all belong elsewhere; if not, which it
+// contradicts. Asked only where much is wrong with them: first of coarse matches, which take a
+// fifth of the time.
 bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                           const TofProjector& projector) {
-  const bool is_doubtful = range_error_.contradicted_share > RangeRules::kDoubtfulShare ||
-                           range_error_.far_from_curve_share > RangeRules::kDoubtfulMoves;
-  if (!is_doubtful || range_error_.Refuses() || !config_.stereo_seeds() || !surface_.has_pixels()) {
-    return false;
-  }
+  if (!IsDoubtful(left.cols)) return false;
   int behind = 0;
   const std::vector<ProjectedPoint> raw = projector.Project(tof, behind);
   const PlacedPoints points{.raw = raw,
@@ -191,12 +204,16 @@ bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const T
                             .infinity_px = projector.rig().pair.cx - projector.rig().pair.cx_right};
   double error_px = 0;
   const std::span<const Seed> coarse = stereo_.FindCoarse(left, right, error_px);
-  if (!FindSensorPlace(points, coarse, RangeRules::kAgreePx + error_px, RangeRules::kFirstLook)
-           .is_displaced) {
-    return false;
+  const double coarse_px = RangeRules::kAgreePx + error_px;
+  const bool differs = !FindContradicted(left, right, points, coarse, coarse_px).points.empty();
+  const bool may_be_displaced =
+      FindSensorPlace(points, coarse, coarse_px, RangeRules::kFirstLook).is_displaced;
+  if (!differs && !may_be_displaced) return false;
+  const std::span<const Seed> matches = stereo_.Find(left, right, {}, {}, 0, zones_.most_px());
+  place_ = FindSensorPlace(points, matches, RangeRules::kAgreePx);
+  if (differs && !place_.is_displaced) {
+    against_ = FindContradicted(left, right, points, matches, RangeRules::kAgreePx);
   }
-  place_ = FindSensorPlace(points, stereo_.Find(left, right, {}, {}, 0, zones_.most_px()),
-                           RangeRules::kAgreePx);
   return place_.is_displaced;
 }
 

@@ -87,6 +87,8 @@ class Refiner {
   /// Where the points of the last call belong, if that was asked. If the sensor is displaced no
   /// point is believed.
   const SensorPlace& sensor_place() const { return place_; }
+  /// Which points of the last call stereo contradicts, if that was asked: they were dropped.
+  const Contradiction& contradiction() const { return against_; }
 
   /// Of the stereo seeds of the last call, see StereoSeedFinder.
   size_t unanswered_cells() const { return unanswered_cells_; }
@@ -125,6 +127,7 @@ class Refiner {
              const TofProjector& projector);
   void MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                    const TofProjector& projector, SeedSet& result);
+  bool IsDoubtful(int columns) const;
   bool IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                    const TofProjector& projector);
   void DropNoise();
@@ -147,6 +150,7 @@ class Refiner {
   RangeBias range_;
   RangeError range_error_;
   SensorPlace place_;
+  Contradiction against_;  // by stereo
   UnsurePoints unsure_;
   RangeNoise noise_;                  // of the points
   std::vector<ProjectedPoint> kept_;  // first those whose window lies in both images

@@ -127,6 +127,9 @@ struct RangeRules {
   /// displaced ones that do harm from 0.0297 on with few exceptions.
   static constexpr double kDoubtfulShare = 0.025;
   static constexpr double kDoubtfulMoves = 0.2;
+  /// Or where more points than this share are nearer than stereo looks for: a camera that wraps
+  /// ranges gives 0.01 to 0.5 of them, in places where nodes show hardly anything.
+  static constexpr double kNearShare = 0.025;
   /// Moves that are tried: up to this share of the picture's width, in so many steps to each side,
   /// by so many matches at most; then finer ones.
   static constexpr double kMaxDisplacement = 0.16;
@@ -155,6 +158,17 @@ struct RangeRules {
   static constexpr double kMoveSigmas = 3;
   /// Half of gain and standard deviations is enough for a second, finer look.
   static constexpr double kFirstLook = 0.5;
+
+  // Points that stereo contradicts.
+  /// Windows of a match differ so many times less than those of the points around it.
+  static constexpr double kBetterMatch = 1.3;
+  /// How far matches count, pixels of the range image, and the share of them, the nearest ones
+  /// counting most, that has to be against a point.
+  static constexpr int kVoteReach = 4;
+  static constexpr double kAgainstShare = 1.0 / 3;
+  /// If fewer matches than this share differ, none is: of right sensors up to 0.027 of the coarse
+  /// ones do (Art, a point every 8 px).
+  static constexpr double kDifferingShare = 0.03;
 };
 
 }  // namespace sprout::refine

@@ -61,6 +61,9 @@ class StereoSeedFinder {
   /// stereo_max_disparity_px the search reaches as much farther.
   void SetInfinity(int disparity_px) { infinity_px_ = disparity_px; }
 
+  /// The largest disparity that is searched in images of this width, px.
+  int MostDisparityPx(int width) const { return SettingsFor(width, columns_).max_disparity_px; }
+
   /// Side of the cells of an image of this width, px.
   double SpacingPx(int width) const;
 

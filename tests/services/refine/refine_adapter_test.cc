@@ -144,6 +144,17 @@ TofZones OneZone(double disparity_px, ZoneMode mode = ZoneMode::kMean) {
           .targets = {{static_cast<float>(10 / (disparity_px + 2)), 0.01F, TargetStatus::kValid}}};
 }
 
+TEST(RefineAdapter, SaysWhatStereoContradicts) {
+  BoxScene scene;
+  for (int j = 30; j < 60; ++j) {
+    for (int i = 12; i < 40; ++i) scene.SetDisparity(i, j, 250);
+  }
+  RefineAdapter adapter{RefineConfig()};
+  const StageResult result = adapter.Process(FrameOf(scene));
+  EXPECT_FALSE(result.ranges_refused);
+  EXPECT_THAT(result.range_error.value_or(""), HasSubstr("stereo contradicts the range points at"));
+}
+
 TEST(RefineAdapter, SaysWhereADisplacedSensorBelongs) {
   RefineAdapter adapter{RefineConfig()};
   const StageResult displaced = adapter.Process(FrameOf(BoxScene(25)));

@@ -316,6 +316,21 @@ TEST(Refiner, BelievesNoPointOfASensorWithAnotherLens) {
   EXPECT_TRUE(refiner.left_seeds().seeds.empty());
 }
 
+// So near that the right camera would not see it, the images cannot be compared there.
+TEST(Refiner, BelievesNoRangesThatWrap) {
+  BoxScene scene;
+  for (int j = 30; j < 60; ++j) {
+    for (int i = 12; i < 40; ++i) scene.SetDisparity(i, j, 250);
+  }
+  Refiner refiner{RefineConfig()};
+  const auto seeds = refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig));
+  EXPECT_NEAR(refiner.contradiction().share, 28 * 30 / 4800.0, 0.05);
+  EXPECT_GT(CountTofSeeds(seeds->seeds), 3000);
+  for (const SeedSet* set : {&*seeds, &refiner.left_seeds()}) {
+    for (const Seed& seed : set->seeds) ASSERT_LT(seed.disparity(), 22) << seed.u << " " << seed.v;
+  }
+}
+
 TEST(Refiner, PutsSeedsOfThePairBehindThoseOfTheTofCamera) {
   Scene scene = TexturedScene();
   for (int j = 0; j < 8; ++j) {
