@@ -91,6 +91,7 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   scan_move_ = {};
   range_error_ = {};
   place_ = {};
+  against_ = {};
   unanswered_cells_ = 0;
   are_noise_ = false;
   left_seeds_.seeds.clear();
@@ -161,7 +162,6 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
       InputOf(left, right, rig),
       {.field = config_.range_bias() == RefineConfig::FIELD, .error_m = config_.range_error_m()},
       points_);
-  against_ = {};
   const bool displaced = IsDisplaced(left, right, tof, projector);
   if (displaced) range_error_.rejected = true;
   const auto is_contradicted = [&](size_t i) {

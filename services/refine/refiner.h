@@ -13,6 +13,7 @@
 #include "common/geometry/projection.h"
 #include "services/refine/alignment/scan_alignment.h"
 #include "services/refine/alignment/tof_alignment.h"
+#include "services/refine/range/contradiction.h"
 #include "services/refine/range/range_bias.h"
 #include "services/refine/range/sensor_place.h"
 #include "services/refine/stereo/point_surface.h"

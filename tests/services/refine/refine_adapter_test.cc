@@ -153,6 +153,9 @@ TEST(RefineAdapter, SaysWhatStereoContradicts) {
   const StageResult result = adapter.Process(FrameOf(scene));
   EXPECT_FALSE(result.ranges_refused);
   EXPECT_THAT(result.range_error.value_or(""), HasSubstr("stereo contradicts the range points at"));
+  Frame without = FrameOf(scene);
+  without.tof.reset();
+  EXPECT_EQ(adapter.Process(without).range_error.value_or(""), "") << "what is over is not said";
 }
 
 TEST(RefineAdapter, SaysWhereADisplacedSensorBelongs) {

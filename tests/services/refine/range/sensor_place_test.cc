@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -152,69 +151,6 @@ TEST(SensorPlace, CannotBeToldFromFewMatches) {
   EXPECT_TRUE(FindSensorPlace(placed, all, 2).is_displaced);
   EXPECT_FALSE(FindSensorPlace(placed, few, 2).is_displaced);
   EXPECT_FALSE(FindSensorPlace(placed, {}, 2).is_displaced);
-}
-
-// Points, and a pair of images, of a wall at 20 px.
-struct FlatScene {
-  cv::Mat1b left{kImage}, right{kImage};
-  std::vector<ProjectedPoint> points;
-
-  FlatScene() {
-    cv::RNG(3).fill(left, cv::RNG::UNIFORM, 0, 256);
-    left.copyTo(right);
-    left.colRange(20, kImage.width).copyTo(right.colRange(0, kImage.width - 20));
-    for (int v = 0; v < kImage.height / 5; ++v) {
-      for (int u = 0; u < kImage.width / 5; ++u) {
-        points.push_back({u, v, SeedAt(5 * u + 2, 5 * v + 2, 20)});
-      }
-    }
-  }
-
-  void SetDisparity(const cv::Rect& pixels, float disparity) {
-    for (ProjectedPoint& point : points) {
-      if (!pixels.contains({point.tof_u, point.tof_v})) continue;
-      point.seed.u_right = point.seed.u - disparity;
-    }
-  }
-
-  // @param known  where there are matches.
-  Contradiction Find(const cv::Rect& known, double disparity = 20) const {
-    std::vector<Seed> matches;
-    for (int v = 4; v < kImage.height - 4; v += 8) {
-      for (int u = 44; u < kImage.width - 4; u += 8) {
-        if (known.contains({u, v})) matches.push_back(SeedAt(u, v, disparity));
-      }
-    }
-    return FindContradicted(left, right, {points, points, {kSpacingPx, kSpacingPx}, kImage},
-                            matches, 2);
-  }
-};
-
-TEST(SensorPlace, ContradictsTheSurfaceThatIsWrong) {
-  FlatScene wall;
-  const cv::Rect all({}, kImage);
-  EXPECT_EQ(wall.Find(all).share, 0);
-  const cv::Rect block(40, 20, 30, 30);
-  wall.SetDisparity(block, 33);
-  // Where a block has matches in one place only, these stand for all of it.
-  for (const cv::Rect& known : {all, cv::Rect(0, 0, 250, 150)}) {
-    const Contradiction found = wall.Find(known);
-    EXPECT_GT(found.share, 0.02);
-    for (size_t i = 0; i < wall.points.size(); ++i) {
-      const cv::Point pixel(wall.points[i].tof_u, wall.points[i].tof_v);
-      ASSERT_EQ(found.points[i] != 0, block.contains(pixel)) << pixel;
-    }
-  }
-}
-
-// Where nothing is to be seen, stereo may be wrong as well.
-TEST(SensorPlace, ContradictsNothingWhereImagesDoNotPreferTheMatches) {
-  FlatScene wall;
-  wall.left = 90;
-  wall.right = 90;
-  const Contradiction found = wall.Find(cv::Rect({}, kImage), 33);
-  EXPECT_EQ(found.share, 0);
-  EXPECT_EQ(std::ranges::count(found.points, 1), 0);
 }
 
 }  // namespace

@@ -1,0 +1,174 @@
+#include "services/refine/range/contradiction.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "services/refine/range/range_rules.h"
+#include "services/refine/surface/surface_rules.h"
+#include "services/refine/surface/tof_surface.h"
+
+namespace sprout::refine {
+namespace {
+
+// What matches say of points.
+struct Votes {
+  double agreeing = 0;
+  double against = 0;
+
+  bool none() const { return agreeing + against == 0; }
+  void Add(const Votes& others, double weight = 1) {
+    agreeing += weight * others.agreeing;
+    against += weight * others.against;
+  }
+};
+
+// Points by the cells of a grid, one in each.
+class CellIndex {
+ public:
+  explicit CellIndex(cv::Size size) : index_(size, -1) {}
+
+  // Of two points in a cell the nearer one stays.
+  void Put(const cv::Point& cell, std::span<const ProjectedPoint> points, size_t point) {
+    if (!IsIn(cell)) return;
+    int& known = index_(cell);
+    const auto is_nearer = [&](size_t than) {
+      return points[point].seed.disparity() > points[than].seed.disparity();
+    };
+    if (known < 0 || is_nearer(static_cast<size_t>(known))) known = static_cast<int>(point);
+  }
+
+  bool Has(const cv::Point& cell) const { return IsIn(cell) && index_(cell) >= 0; }
+  size_t At(const cv::Point& cell) const { return static_cast<size_t>(index_(cell)); }
+
+  // Calls visit(point) for those of the cells around one, itself included.
+  template <typename Visit>
+  void Around(const cv::Point& cell, int reach, const Visit& visit) const {
+    const cv::Rect window = cv::Rect({}, index_.size()) &
+                            cv::Rect(cell.x - reach, cell.y - reach, 2 * reach + 1, 2 * reach + 1);
+    for (int y = window.y; y < window.y + window.height; ++y) {
+      for (int x = window.x; x < window.x + window.width; ++x) {
+        if (index_(y, x) >= 0) visit(static_cast<size_t>(index_(y, x)));
+      }
+    }
+  }
+
+ private:
+  bool IsIn(const cv::Point& cell) const { return cv::Rect({}, index_.size()).contains(cell); }
+
+  cv::Mat1i index_;
+};
+
+// The points as they lie in the range image.
+CellIndex InRangeImage(std::span<const ProjectedPoint> points) {
+  cv::Size size;
+  for (const ProjectedPoint& point : points) {
+    size.width = std::max(size.width, point.tof_u + 1);
+    size.height = std::max(size.height, point.tof_v + 1);
+  }
+  CellIndex index(size);
+  for (size_t i = 0; i < points.size(); ++i) {
+    index.Put({points[i].tof_u, points[i].tof_v}, points, i);
+  }
+  return index;
+}
+
+cv::Point PixelOf(const ProjectedPoint& point) { return {point.tof_u, point.tof_v}; }
+
+// Numbers the surfaces: points that steps of less than `step_px` connect.
+std::vector<size_t> SurfacesOf(std::span<const ProjectedPoint> points, const CellIndex& pixels,
+                               double step_px) {
+  const size_t none = points.size();
+  std::vector<size_t> surfaces(points.size(), none);
+  std::vector<size_t> todo;
+  for (size_t first = 0; first < points.size(); ++first) {
+    if (surfaces[first] != none) continue;
+    surfaces[first] = first;
+    todo = {first};
+    while (!todo.empty()) {
+      const ProjectedPoint& point = points[todo.back()];
+      todo.pop_back();
+      pixels.Around(PixelOf(point), 1, [&](size_t other) {
+        const double step = points[other].seed.disparity() - point.seed.disparity();
+        if (surfaces[other] != none || std::abs(step) > step_px) return;
+        surfaces[other] = first;
+        todo.push_back(other);
+      });
+    }
+  }
+  return surfaces;
+}
+
+// What each match says of the point that it lies at: it agrees with one of those around, or the
+// images prefer its disparity to theirs. Where they do not, stereo may err.
+std::vector<Votes> VotesOf(const cv::Mat1b& left, const cv::Mat1b& right,
+                           const PlacedPoints& points, std::span<const Seed> matches,
+                           double agree_px) {
+  const std::span<const ProjectedPoint> all = points.corrected;
+  const double wide = std::max(1.0, points.spacing_px.width);
+  const double high = std::max(1.0, points.spacing_px.height);
+  const auto cell_of = [&](const Seed& seed) {
+    return cv::Point(cvFloor(seed.u / wide), cvFloor(seed.v / high));
+  };
+  CellIndex cells({static_cast<int>(left.cols / wide) + 1, static_cast<int>(left.rows / high) + 1});
+  for (size_t i = 0; i < all.size(); ++i) cells.Put(cell_of(all[i].seed), all, i);
+  std::vector<Votes> votes(all.size());
+  for (const Seed& match : matches) {
+    const cv::Point cell = cell_of(match);
+    if (!cells.Has(cell)) continue;
+    size_t best = cells.At(cell);
+    const auto off_px = [&](size_t point) {
+      return std::abs(double{all[point].seed.disparity()} - match.disparity());
+    };
+    cells.Around(cell, 1, [&](size_t other) {
+      if (off_px(other) < off_px(best)) best = other;
+    });
+    if (off_px(best) <= agree_px) {
+      ++votes[best].agreeing;
+      continue;
+    }
+    const auto difference = [&](double disparity) {
+      return SurfaceRules::kNoise +
+             WindowDifference(left, right, match.u, match.v, match.u - disparity);
+    };
+    const bool is_better = difference(all[best].seed.disparity()) >
+                           RangeRules::kBetterMatch * difference(match.disparity());
+    if (is_better) ++votes[cells.At(cell)].against;
+  }
+  return votes;
+}
+
+}  // namespace
+
+Contradiction FindContradicted(const cv::Mat1b& left, const cv::Mat1b& right,
+                               const PlacedPoints& points, std::span<const Seed> matches,
+                               double agree_px) {
+  const std::span<const ProjectedPoint> all = points.corrected;
+  const std::vector<Votes> votes = VotesOf(left, right, points, matches, agree_px);
+  Votes sum;
+  for (const Votes& of_point : votes) sum.Add(of_point);
+  Contradiction found;
+  if (sum.none()) return found;
+  found.share = sum.against / (sum.agreeing + sum.against);
+  if (found.share <= RangeRules::kDifferingShare) return found;
+  const CellIndex pixels = InRangeImage(all);
+  const double spacing_px = std::max(points.spacing_px.width, points.spacing_px.height);
+  const double step_px = std::max(RangeRules::kAgreePx, SurfaceRules::kSteepest * spacing_px);
+  const std::vector<size_t> surfaces = SurfacesOf(all, pixels, step_px);
+  std::vector<Votes> of_surface(all.size());
+  for (size_t i = 0; i < all.size(); ++i) of_surface[surfaces[i]].Add(votes[i]);
+  found.points.assign(all.size(), 0);
+  for (size_t i = 0; i < all.size(); ++i) {
+    Votes here;
+    pixels.Around(PixelOf(all[i]), RangeRules::kVoteReach, [&](size_t other) {
+      if (surfaces[other] != surfaces[i]) return;
+      const cv::Point way = PixelOf(all[other]) - PixelOf(all[i]);
+      here.Add(votes[other], 1 / (0.25 + way.dot(way)));
+    });
+    if (here.none()) here = of_surface[surfaces[i]];
+    const bool is_wrong = here.against > RangeRules::kAgainstShare * (here.agreeing + here.against);
+    found.points[i] = is_wrong ? 1 : 0;
+  }
+  return found;
+}
+
+}  // namespace sprout::refine

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <span>
+#include <vector>
+
+#include "services/refine/range/sensor_place.h"
+
+namespace sprout::refine {
+
+/// Which points stereo contradicts.
+struct Contradiction {
+  /// 1 or 0 for each of PlacedPoints::corrected; empty where stereo contradicts none.
+  std::vector<uint8_t> points;
+  double share = 0;  ///< of the matches that tell, 0 to 1
+};
+
+/// Asks of each corrected point whether stereo contradicts it: of the matches around it on its
+/// surface in the range image, more than a third differ from all points beside them, and the images
+/// prefer them to these; the nearest count most. Where no match is near, all of the surface count.
+/// Nothing is contradicted if hardly more matches differ than with right sensors.
+/// @param left, right  rectified pair, grey.
+/// @param matches, agree_px  as for FindSensorPlace().
+/// O(points + matches). No I/O; one thread; the same on every machine.
+Contradiction FindContradicted(const cv::Mat1b& left, const cv::Mat1b& right,
+                               const PlacedPoints& points, std::span<const Seed> matches,
+                               double agree_px);
+
+}  // namespace sprout::refine
