@@ -11,12 +11,12 @@ namespace sprout::refine {
 namespace {
 
 // What matches say of points.
-struct Votes {
+struct MatchVotes {
   double agreeing = 0;
   double against = 0;
 
   bool none() const { return agreeing + against == 0; }
-  void Add(const Votes& others, double weight = 1) {
+  void Add(const MatchVotes& others, double weight = 1) {
     agreeing += weight * others.agreeing;
     against += weight * others.against;
   }
@@ -100,9 +100,9 @@ std::vector<size_t> SurfacesOf(std::span<const ProjectedPoint> points, const Cel
 
 // What each match says of the point that it lies at: it agrees with one of those around, or the
 // images prefer its disparity to theirs. Where they do not, stereo may err.
-std::vector<Votes> VotesOf(const cv::Mat1b& left, const cv::Mat1b& right,
-                           const PlacedPoints& points, std::span<const Seed> matches,
-                           double agree_px) {
+std::vector<MatchVotes> VotesOf(const cv::Mat1b& left, const cv::Mat1b& right,
+                                const PlacedPoints& points, std::span<const Seed> matches,
+                                double agree_px) {
   const std::span<const ProjectedPoint> all = points.corrected;
   const double wide = std::max(1.0, points.spacing_px.width);
   const double high = std::max(1.0, points.spacing_px.height);
@@ -111,7 +111,7 @@ std::vector<Votes> VotesOf(const cv::Mat1b& left, const cv::Mat1b& right,
   };
   CellIndex cells({static_cast<int>(left.cols / wide) + 1, static_cast<int>(left.rows / high) + 1});
   for (size_t i = 0; i < all.size(); ++i) cells.Put(cell_of(all[i].seed), all, i);
-  std::vector<Votes> votes(all.size());
+  std::vector<MatchVotes> votes(all.size());
   for (const Seed& match : matches) {
     const cv::Point cell = cell_of(match);
     if (!cells.Has(cell)) continue;
@@ -143,9 +143,9 @@ Contradiction FindContradicted(const cv::Mat1b& left, const cv::Mat1b& right,
                                const PlacedPoints& points, std::span<const Seed> matches,
                                double agree_px) {
   const std::span<const ProjectedPoint> all = points.corrected;
-  const std::vector<Votes> votes = VotesOf(left, right, points, matches, agree_px);
-  Votes sum;
-  for (const Votes& of_point : votes) sum.Add(of_point);
+  const std::vector<MatchVotes> votes = VotesOf(left, right, points, matches, agree_px);
+  MatchVotes sum;
+  for (const MatchVotes& of_point : votes) sum.Add(of_point);
   Contradiction found;
   if (sum.none()) return found;
   found.share = sum.against / (sum.agreeing + sum.against);
@@ -154,11 +154,11 @@ Contradiction FindContradicted(const cv::Mat1b& left, const cv::Mat1b& right,
   const double spacing_px = std::max(points.spacing_px.width, points.spacing_px.height);
   const double step_px = std::max(RangeRules::kAgreePx, SurfaceRules::kSteepest * spacing_px);
   const std::vector<size_t> surfaces = SurfacesOf(all, pixels, step_px);
-  std::vector<Votes> of_surface(all.size());
+  std::vector<MatchVotes> of_surface(all.size());
   for (size_t i = 0; i < all.size(); ++i) of_surface[surfaces[i]].Add(votes[i]);
   found.points.assign(all.size(), 0);
   for (size_t i = 0; i < all.size(); ++i) {
-    Votes here;
+    MatchVotes here;
     pixels.Around(PixelOf(all[i]), RangeRules::kVoteReach, [&](size_t other) {
       if (surfaces[other] != surfaces[i]) return;
       const cv::Point way = PixelOf(all[other]) - PixelOf(all[i]);
