@@ -145,6 +145,17 @@ void RemoveSmallPatches(cv::Mat1f disparity_px) {
   });
 }
 
+// Takes away what no pixel around says anything of: all have the same grey value, as where they are
+// clipped. Paths lead a disparity there from elsewhere.
+void RemoveEven(const cv::Mat1b& image, cv::Mat1f disparity_px) {
+  constexpr int kSide = 2 * StereoRules::kCensusRadius + 1;
+  const cv::Mat1b window(kSide, kSide, uint8_t{1});
+  cv::Mat1b least, most;
+  cv::erode(image, least, window);
+  cv::dilate(image, most, window);
+  disparity_px.setTo(std::numeric_limits<float>::quiet_NaN(), least == most);
+}
+
 }  // namespace
 
 const StereoMatches& SemiGlobalMatcher::Match(const cv::Mat1b& left, const cv::Mat1b& right,
@@ -226,7 +237,9 @@ const cv::Mat1f& StereoMatcher::Match(const cv::Mat1b& left, const cv::Mat1b& ri
   scale_ = levels_.front().scale;
   disparity_px_ = matches->confirmed_px;
   const cv::Rect matched = cv::boundingRect(levels_.front().wanted);
-  if (!matched.empty()) RemoveSmallPatches(disparity_px_(matched));
+  if (matched.empty()) return disparity_px_;
+  RemoveEven(levels_.front().left(matched), disparity_px_(matched));
+  RemoveSmallPatches(disparity_px_(matched));
   return disparity_px_;
 }
 

@@ -163,6 +163,19 @@ TEST(StereoSeeds, RefusesWhatHasNoTexture) {
   EXPECT_TRUE(Find(Pair(cv::Mat1b(kSize, uint8_t{120}), [](int, int) { return 12; })).empty());
 }
 
+TEST(StereoSeeds, RefusesWhatIsClipped) {
+  cv::Mat1b texture = Texture(kSize);
+  const cv::Rect white(100, 60, 80, 60);
+  texture(white) = 255;
+  const Pair pair(texture, [](int, int) { return 12; });
+  const std::vector<Seed> seeds = Find(pair);
+  EXPECT_GT(seeds.size(), 400U);
+  const cv::Rect inside(white.x + 6, white.y + 6, white.width - 12, white.height - 12);
+  for (const Seed& seed : seeds) {
+    EXPECT_FALSE(inside.contains(cv::Point2f(seed.u, seed.v))) << seed.u << " " << seed.v;
+  }
+}
+
 TEST(StereoSeeds, StaysAwayFromDepthEdges) {
   const auto disparity = [](double u, double v) {
     return u > 100 && u < 180 && v > 60 && v < 140 ? 30.0 : 10.0;  // of the right image
