@@ -126,7 +126,9 @@ TEST(Refiner, CountsAddUp) {
     for (int i = 0; i < 10; ++i) scene.SetDisparity(i, j, 3 + i);
   }
   scene.left(cv::Rect(40, 0, 30, 80)) = 0;
-  const auto result = scene.Refine();
+  RefineConfig config = PaperRules();
+  config.set_min_mean_grey(8);
+  const auto result = scene.Refine(config);
   EXPECT_EQ(result->raw, 80);
   EXPECT_GT(result->dark, 0);
   EXPECT_GT(result->outside, 0);
