@@ -115,9 +115,9 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   if (config_.stereo_seeds()) {
     const double spacing_px = points_.empty() ? 0 : surface_.spacing_px();
     const bool dense = !points_.empty() && !stereo_.IsCoarse(spacing_px, left.cols);
-    // A displaced sensor was found with all of them.
+    // A sensor that is refused for its place was found wrong with all of them.
     const std::span<const Seed> stereo =
-        place_.is_displaced
+        range_error_.rejected
             ? stereo_.found()
             : stereo_.Find(left, right, result.seeds, Covered(dense), spacing_px, zones_.most_px());
     unanswered_cells_ = stereo_.unanswered();
@@ -160,7 +160,9 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
   const Rig& rig = projector.rig();
   range_error_ = range_.Apply(
       InputOf(left, right, rig),
-      {.field = config_.range_bias() == RefineConfig::FIELD, .error_m = config_.range_error_m()},
+      {.field = config_.range_bias() == RefineConfig::FIELD,
+       .error_m = config_.range_error_m(),
+       .matches = [&] { return stereo_.Find(left, right, {}, {}, 0, zones_.most_px()); }},
       points_);
   const bool displaced = IsDisplaced(left, right, tof, projector);
   if (displaced) range_error_.rejected = true;
@@ -180,7 +182,8 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
 
 // Whether much is wrong with the points, or they are nearer than anything that stereo looks for.
 bool Refiner::IsDoubtful(int columns) const {
-  if (range_error_.Refuses() || !config_.stereo_seeds() || !surface_.has_pixels()) return false;
+  if (range_error_.Refuses() || range_error_.pair_unfit) return false;
+  if (!config_.stereo_seeds() || !surface_.has_pixels()) return false;
   const auto most_px = static_cast<float>(stereo_.MostDisparityPx(columns));
   const auto near = std::ranges::count_if(
       points_, [&](const ProjectedPoint& point) { return point.seed.disparity() > most_px; });

@@ -8,7 +8,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/core/parallel.h"
+#include "services/refine/range/range_costs.h"
 #include "services/refine/range/range_nodes.h"
+#include "services/refine/stereo/point_surface.h"
 
 namespace sprout::refine {
 namespace {
@@ -97,6 +99,36 @@ double RangeBias::JudgeNodes() {
   return judged < RangeRules::kFewestNodes
              ? 0
              : static_cast<double>(wrong) / static_cast<double>(judged);
+}
+
+// Whether the images match elsewhere at many of the nodes that they contradict. If not they do not
+// fit each other, as where one is out of focus or a few rows off.
+bool RangeBias::MatchesElsewhere(const RangeInput& input, std::span<const Seed> matches) const {
+  const CellGrid grid(std::max(1.0, double{RangeRules::kMatchReach} * input.left.cols),
+                      input.left.size());
+  cv::Mat1b matched(grid.size, uint8_t{0});
+  const double noise = RangeRules::kUnlikeVariance + nodes_.noise();
+  for (const Seed& match : matches) {
+    const std::optional<OffsetMoments> moments =
+        MomentsOf(input.left, input.right,
+                  {.at = {match.u, match.v}, .disparity_px = match.disparity(), .slope = {}});
+    if (!moments) continue;
+    const OffsetCosts costs = CostsOf(*moments, noise);
+    const auto* const here = costs.begin() + RangeRules::kZeroLabel;
+    if (*std::min_element(here - 1, here + 2) < 1 - RangeRules::kContradicted) {
+      matched(grid.At(match.v), grid.At(match.u)) = 1;
+    }
+  }
+  size_t contradicted = 0;
+  size_t elsewhere = 0;
+  for (size_t i = 0; i < wrong_nodes_.size(); ++i) {
+    if (wrong_nodes_[i] == 0) continue;
+    const cv::Point2d& at = nodes_.nodes()[i].at;
+    ++contradicted;
+    elsewhere += matched(grid.At(at.y), grid.At(at.x));
+  }
+  return static_cast<double>(elsewhere) >
+         RangeRules::kMatchedShare * static_cast<double>(contradicted);
 }
 
 // Marks where points have to be asked for: within reach of a node that moves, is unsure or is
@@ -221,8 +253,10 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
     field_.Estimate(nodes_, start_px_, has_slopes);
     error_.contradicted_share = JudgeNodes();
     if (error_.contradicted_share > RangeRules::kRejectedShare) {
-      error_.rejected = true;
-      contradicted_.assign(points.size(), 1);
+      error_.rejected = MatchesElsewhere(input, settings.matches());
+      error_.pair_unfit = !error_.rejected;
+      if (error_.pair_unfit) error_.curve.clear();
+      contradicted_.assign(points.size(), error_.rejected ? 1 : 0);
       return error_;
     }
     // By then all may seem to fit: who looks far enough finds a likeness anywhere.

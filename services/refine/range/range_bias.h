@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <span>
@@ -26,6 +27,8 @@ struct RangeError {
   double far_from_curve_share = 0;
   double contradicted_share = 0;  ///< of the places that have texture to judge by, 0 to 1
   bool rejected = false;          ///< too many of them: no point is believed
+  /// Too many of them, but the images match nowhere else either: they show nothing of the sensor.
+  bool pair_unfit = false;
   /// The curve is farther from 0 than a sensor's error can be, at this knot: no point is believed.
   std::optional<RangeKnot> absurd = std::nullopt;
 
@@ -36,6 +39,8 @@ struct RangeError {
 struct RangeSettings {
   bool field = true;   ///< also what the scene adds, and which points are contradicted
   double error_m = 0;  ///< systematic error by the data sheet, one standard deviation, m
+  /// Matches of stereo that knows nothing of the points: asked where too many are contradicted.
+  std::function<std::span<const Seed>()> matches;
 };
 
 /// Finds from the pair how far range points are off, and moves them: eqs. (R2) to (R10) of the
@@ -63,6 +68,7 @@ class RangeBias {
 
   bool LookAgain(const RangeInput& input);
   double JudgeNodes();
+  bool MatchesElsewhere(const RangeInput& input, std::span<const Seed> matches) const;
   bool MarkAsked();
   PointError ErrorOf(const TofSurface& surface, const ProjectedPoint& point) const;
 

@@ -120,6 +120,12 @@ struct RangeRules {
   /// If more nodes than this share are contradicted, no point is believed: right sensors have up to
   /// 0.19 (a scan of 16 beams), mirrored range images 0.27 and more.
   static constexpr double kRejectedShare = 0.22;
+  /// But only if stereo has a match that fits at this share of them, so near, in parts of the
+  /// picture's width: at 0.43 and more where ranges are mirrored, upside down or another scene's;
+  /// at 0.30 and less (dull scenes up to 0.48) where the images are a few rows off, turned,
+  /// striped, negative, of different focus or of different scenes.
+  static constexpr double kMatchedShare = 0.4;
+  static constexpr double kMatchReach = 0.01;
 
   // A displaced sensor.
   /// Asked where more nodes than this share are contradicted, or more points were moved far beside

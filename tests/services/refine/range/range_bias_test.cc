@@ -268,6 +268,25 @@ TEST(RangeBias, BelievesAGoodSensorBesideABadCamera) {
   }
 }
 
+// Rows that are off, the image of another scene: nothing fits anything.
+TEST(RangeBias, BelievesASensorThatTheImagesContradictNoMoreThanEachOther) {
+  Wall wall;
+  Wall rows;
+  const cv::Mat1f down = (cv::Mat1f(2, 3) << 1, 0, 0, 0, 1, 4);
+  cv::warpAffine(rows.right, rows.right, down, kWallSize, cv::INTER_LINEAR, cv::BORDER_REFLECT);
+  Wall other;
+  cv::flip(other.right, other.right, 0);
+  for (const Wall* unfit : {&rows, &other}) {
+    RefineConfig config;
+    Refiner refiner(config);
+    const auto set = refiner.Compute(unfit->left, unfit->right, unfit->tof, TofProjector(wall.rig));
+    EXPECT_TRUE(refiner.range_error().pair_unfit);
+    EXPECT_EQ(set->contradicted, 0);
+    EXPECT_GT(set->seeds.size(), 4000U);
+    EXPECT_GT(ShareWithin(*set, 0.4), 0.97);
+  }
+}
+
 // As where the baseline is given as a part of what it is.
 TEST(RangeBias, BelievesNoPointIfRangesAreFartherOffThanASensorCanBe) {
   Wall wall;
