@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
 #include <string>
 #include <string_view>
 
@@ -27,8 +28,7 @@ Examples
 )";
 
 bool IsProgram(const std::string& name) {
-  const auto has_name = [&](const ProgramSummary& one) { return name == one.name; };
-  return std::ranges::any_of(Programs(), has_name);
+  return std::ranges::find(kPrograms, name, &ProgramSummary::name) != std::end(kPrograms);
 }
 
 // Becomes the program beside this one. @returns exit code if there is none.
@@ -45,13 +45,13 @@ int Become(const std::string& name, char** arguments) {
 
 int Main(int argc, char** argv) {
   if (argc > 1 && IsProgram(argv[1])) return Become(argv[1], argv + 1);
-  for (const LeftOutProgram& one : LeftOutPrograms()) {
+  for (const LeftOutProgram& one : kLeftOutPrograms) {
     if (argc < 2 || one.name != std::string_view(argv[1])) continue;
     std::cerr << LeftOut(std::string("sprout: ") + one.name, one.part).what() << "\n";
     return 2;
   }
   Flags flags("sprout", kDescription);
-  for (const ProgramSummary& one : Programs()) flags.AddCommand(one.name, one.text);
+  for (const ProgramSummary& one : kPrograms) flags.AddCommand(one.name, one.text);
   flags.SetFooter(kFooter);
   const char* const help[] = {"sprout", "--help"};
   return argc > 1 ? RunProgram(flags, argc, argv, [] { return 0; })
