@@ -4,6 +4,7 @@
 #include <cairo-svg.h>
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -16,42 +17,17 @@
 namespace sprout::calibrate {
 namespace {
 
-struct DictionaryName {
-  std::string_view name;
-  int number;  // OpenCV's
-};
-constexpr std::array kDictionaries = {
-    DictionaryName{"DICT_4X4_50", cv::aruco::DICT_4X4_50},
-    DictionaryName{"DICT_4X4_100", cv::aruco::DICT_4X4_100},
-    DictionaryName{"DICT_4X4_250", cv::aruco::DICT_4X4_250},
-    DictionaryName{"DICT_4X4_1000", cv::aruco::DICT_4X4_1000},
-    DictionaryName{"DICT_5X5_50", cv::aruco::DICT_5X5_50},
-    DictionaryName{"DICT_5X5_100", cv::aruco::DICT_5X5_100},
-    DictionaryName{"DICT_5X5_250", cv::aruco::DICT_5X5_250},
-    DictionaryName{"DICT_5X5_1000", cv::aruco::DICT_5X5_1000},
-    DictionaryName{"DICT_6X6_50", cv::aruco::DICT_6X6_50},
-    DictionaryName{"DICT_6X6_100", cv::aruco::DICT_6X6_100},
-    DictionaryName{"DICT_6X6_250", cv::aruco::DICT_6X6_250},
-    DictionaryName{"DICT_6X6_1000", cv::aruco::DICT_6X6_1000},
-    DictionaryName{"DICT_7X7_50", cv::aruco::DICT_7X7_50},
-    DictionaryName{"DICT_7X7_100", cv::aruco::DICT_7X7_100},
-    DictionaryName{"DICT_7X7_250", cv::aruco::DICT_7X7_250},
-    DictionaryName{"DICT_7X7_1000", cv::aruco::DICT_7X7_1000},
-    DictionaryName{"DICT_ARUCO_ORIGINAL", cv::aruco::DICT_ARUCO_ORIGINAL},
-    DictionaryName{"DICT_APRILTAG_16h5", cv::aruco::DICT_APRILTAG_16h5},
-    DictionaryName{"DICT_APRILTAG_25h9", cv::aruco::DICT_APRILTAG_25h9},
-    DictionaryName{"DICT_APRILTAG_36h10", cv::aruco::DICT_APRILTAG_36h10},
-    DictionaryName{"DICT_APRILTAG_36h11", cv::aruco::DICT_APRILTAG_36h11},
-};
-
-aruco::Dictionary OpenDictionary(const std::string& name) {
-  const std::optional<int> number = DictionaryOf(name);
-  if (!number) {
-    throw ConfigError("--dictionary " + name + ": allowed is one of " +
-                      Joined(", ", kDictionaries, &DictionaryName::name));
-  }
-  return aruco::OpenDictionary(*number);
-}
+// By OpenCV's number of each.
+constexpr std::array<std::string_view, 21> kDictionaries = {
+    "DICT_4X4_50",         "DICT_4X4_100",       "DICT_4X4_250",       "DICT_4X4_1000",
+    "DICT_5X5_50",         "DICT_5X5_100",       "DICT_5X5_250",       "DICT_5X5_1000",
+    "DICT_6X6_50",         "DICT_6X6_100",       "DICT_6X6_250",       "DICT_6X6_1000",
+    "DICT_7X7_50",         "DICT_7X7_100",       "DICT_7X7_250",       "DICT_7X7_1000",
+    "DICT_ARUCO_ORIGINAL", "DICT_APRILTAG_16h5", "DICT_APRILTAG_25h9", "DICT_APRILTAG_36h10",
+    "DICT_APRILTAG_36h11"};
+static_assert(kDictionaries[cv::aruco::DICT_4X4_250] == "DICT_4X4_250" &&
+              kDictionaries[cv::aruco::DICT_ARUCO_ORIGINAL] == "DICT_ARUCO_ORIGINAL" &&
+              kDictionaries[cv::aruco::DICT_APRILTAG_36h11] == "DICT_APRILTAG_36h11");
 
 // So many markers the board has, and so many there are.
 void CheckMarkers(const BoardSize& size, int64_t needed, const std::string& dictionary) {
@@ -166,11 +142,13 @@ void DrawText(cairo_t* pen, double y_mm, const std::string& text) {
 
 }  // namespace
 
-std::optional<int> DictionaryOf(const std::string& name) {
-  for (const DictionaryName& one : kDictionaries) {
-    if (one.name == name) return one.number;
+aruco::Dictionary OpenDictionary(const std::string& name) {
+  const auto found = std::ranges::find(kDictionaries, name);
+  if (found == kDictionaries.end()) {
+    throw ConfigError("--dictionary " + name + ": allowed is one of " +
+                      Joined(", ", kDictionaries));
   }
-  return std::nullopt;
+  return aruco::OpenDictionary(static_cast<int>(found - kDictionaries.begin()));
 }
 
 std::string BoardText(const BoardSize& size) {

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <filesystem>
 #include <opencv2/core.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,8 +31,8 @@ struct BoardSize {
 /// "ChArUco board of 9x6 squares with DICT_4X4_250".
 std::string BoardText(const BoardSize& size);
 
-/// OpenCV's number of a dictionary; nothing when it has none of that name.
-std::optional<int> DictionaryOf(const std::string& name);
+/// OpenCV's dictionary of this name. @throws ConfigError when there is none.
+aruco::Dictionary OpenDictionary(const std::string& name);
 
 /// A calibration board. The one that is printed here is a ChArUco board: markers of 4 × 4 bits
 /// (OpenCV's dictionary DICT_4X4_250) and a border of one bit, three quarters of a square wide, so

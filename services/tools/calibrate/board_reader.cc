@@ -234,7 +234,7 @@ std::string SeenBoards(const std::vector<cv::Mat1b>& images) {
     for (const char* name : kLargest) {
       std::vector<Quad> markers;
       std::vector<int> ids;
-      aruco::FindMarkers(image, aruco::OpenDictionary(*DictionaryOf(name)), markers, ids);
+      aruco::FindMarkers(image, OpenDictionary(name), markers, ids);
       take(ids.size(), std::string("markers of ") + name);
     }
     take(FindTags(image).first.size(), "tags of an AprilGrid");
