@@ -234,16 +234,18 @@ Result<DecodedPart> ToPart(const Message& message,
 template <typename Message>
 Result<DecodedPart> Decode(std::span<const uint8_t> bytes, std::optional<cv::Size> expected) {
   if constexpr (requires(const Message& message) { FromMessage(message, bytes); }) {
-    const Result<MessageInPlace<Message>> message = DecodeInPlace<Message>(bytes);
-    if (!message) return tl::unexpected(message.error());
-    return ToPart(message->fields, expected,
-                  [&] { return FromMessage(message->fields, message->data); });
+    return DecodeInPlace<Message>(bytes).and_then([&](const MessageInPlace<Message>& message) {
+      return ToPart(message.fields, expected,
+                    [&] { return FromMessage(message.fields, message.data); });
+    });
   } else {
-    const Result<Message> message = DecodeMessage<Message>(bytes);
-    if (!message) return tl::unexpected(message.error());
-    return ToPart(*message, expected, [&] { return FromMessage(*message); });
+    return DecodeMessage<Message>(bytes).and_then([&](const Message& message) {
+      return ToPart(message, expected, [&] { return FromMessage(message); });
+    });
   }
 }
+
+constexpr auto kFromMessage = [](const auto& message) { return FromMessage(message); };
 
 // The message that carries a value of a part.
 template <typename Value>
@@ -277,9 +279,9 @@ std::vector<uint8_t> EncodePart(const FrameId& id, [[maybe_unused]] Part part,
 Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes,
                                std::optional<cv::Size> expected) {
   if (IsPacked(bytes)) {
-    const Result<std::vector<uint8_t>> message = Unpack(bytes, expected);
-    if (!message) return tl::unexpected(message.error());
-    return DecodePart(part, *message, expected);  // which is not packed: no such type is
+    return Unpack(bytes, expected).and_then([&](const std::vector<uint8_t>& message) {
+      return DecodePart(part, message, expected);  // which is not packed: no such type is
+    });
   }
   Result<DecodedPart> decoded = std::visit(
       [&]<typename Member>(Member Frame::*) { return Decode<MessageFor<Member>>(bytes, expected); },
@@ -299,9 +301,7 @@ std::vector<uint8_t> EncodeStatus(const StageStatus& status) {
 }
 
 Result<StageStatus> DecodeStatus(std::span<const uint8_t> bytes) {
-  const Result<stage_status_t> message = DecodeMessage<stage_status_t>(bytes);
-  if (!message) return tl::unexpected(message.error());
-  return FromMessage(*message);
+  return DecodeMessage<stage_status_t>(bytes).and_then(kFromMessage);
 }
 
 std::vector<uint8_t> EncodeProcessInfo(const ProcessInfo& info) {
@@ -309,9 +309,7 @@ std::vector<uint8_t> EncodeProcessInfo(const ProcessInfo& info) {
 }
 
 Result<ProcessInfo> DecodeProcessInfo(std::span<const uint8_t> bytes) {
-  const Result<process_info_t> message = DecodeMessage<process_info_t>(bytes);
-  if (!message) return tl::unexpected(message.error());
-  return FromMessage(*message);
+  return DecodeMessage<process_info_t>(bytes).and_then(kFromMessage);
 }
 
 std::vector<uint8_t> EncodeRigChange(const RigChange& change) {
@@ -319,9 +317,7 @@ std::vector<uint8_t> EncodeRigChange(const RigChange& change) {
 }
 
 Result<RigChange> DecodeRigChange(std::span<const uint8_t> bytes) {
-  const Result<rig_change_t> message = DecodeMessage<rig_change_t>(bytes);
-  if (!message) return tl::unexpected(message.error());
-  return FromMessage(*message);
+  return DecodeMessage<rig_change_t>(bytes).and_then(kFromMessage);
 }
 
 Result<FrameId> DecodeFrameId(std::span<const uint8_t> bytes) {

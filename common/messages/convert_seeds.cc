@@ -20,20 +20,16 @@ bool HasWholeArrays(const seeds_t& message) {
          message.tof_v.size() == count;
 }
 
-Result<void> CheckCounts(const seeds_t& message) {
-  Checks checks;
-  checks.NotNegative("count", message.count)
-      .Require(HasWholeArrays(message), "count", message.count,
-               "the number of values in each array")
-      .NotNegative("raw_count", message.raw_count)
-      .NotNegative("outside_count", message.outside_count)
-      .NotNegative("dark_count", message.dark_count)
-      .NotNegative("loose_count", message.loose_count)
-      .NotNegative("background_count", message.background_count)
-      .NotNegative("hidden_count", message.hidden_count)
-      .NotNegative("contradicted_count", message.contradicted_count);
-  if (!checks.ok()) return checks.error();
-  return {};
+// Of each count of what was seen or left out: visit(name, message's, set's).
+template <typename Message, typename Set, typename Visit>
+void ForEachCount(Message& message, Set& seeds, Visit visit) {
+  visit("raw_count", message.raw_count, seeds.raw);
+  visit("outside_count", message.outside_count, seeds.outside);
+  visit("dark_count", message.dark_count, seeds.dark);
+  visit("loose_count", message.loose_count, seeds.loose);
+  visit("background_count", message.background_count, seeds.background);
+  visit("hidden_count", message.hidden_count, seeds.hidden);
+  visit("contradicted_count", message.contradicted_count, seeds.contradicted);
 }
 
 // False for NaN as well; anything beyond the largest image is no position.
@@ -77,13 +73,7 @@ seeds_t ToMessage(const FrameId& id, const SeedSet& seeds) {
   seeds_t message;
   message.header = ToMessage(id);
   message.count = static_cast<int32_t>(seeds.seeds.size());
-  message.raw_count = seeds.raw;
-  message.outside_count = seeds.outside;
-  message.dark_count = seeds.dark;
-  message.loose_count = seeds.loose;
-  message.background_count = seeds.background;
-  message.hidden_count = seeds.hidden;
-  message.contradicted_count = seeds.contradicted;
+  ForEachCount(message, seeds, [](const char*, int32_t& field, int count) { field = count; });
   const auto fill = [&](auto& values, auto value_of) {
     values.reserve(seeds.seeds.size());
     for (const Seed& seed : seeds.seeds) values.push_back(value_of(seed));
@@ -99,17 +89,16 @@ seeds_t ToMessage(const FrameId& id, const SeedSet& seeds) {
 }
 
 Result<SeedSet> FromMessage(const seeds_t& message) {
-  if (const Result<void> counts = CheckCounts(message); !counts) {
-    return tl::unexpected(counts.error());
-  }
-  SeedSet seeds{.seeds = {},
-                .raw = message.raw_count,
-                .outside = message.outside_count,
-                .dark = message.dark_count,
-                .loose = message.loose_count,
-                .background = message.background_count,
-                .hidden = message.hidden_count,
-                .contradicted = message.contradicted_count};
+  SeedSet seeds;
+  Checks checks;
+  checks.NotNegative("count", message.count)
+      .Require(HasWholeArrays(message), "count", message.count,
+               "the number of values in each array");
+  ForEachCount(message, seeds, [&](const char* name, int32_t field, int& count) {
+    checks.NotNegative(name, field);
+    count = field;
+  });
+  if (!checks.ok()) return checks.error();
   const auto count = static_cast<size_t>(message.count);
   seeds.seeds.reserve(count);
   for (size_t i = 0; i < count; ++i) {

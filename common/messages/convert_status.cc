@@ -9,8 +9,62 @@ namespace {
 
 constexpr int64_t kMaxCount = int64_t{1} << 53;
 
-TimeSummary MakeTimes(double p50, double p95, double p99, double max) {
-  return {.p50_ms = p50, .p95_ms = p95, .p99_ms = p99, .max_ms = max};
+// The fields that a message and its value have alike, for `visit(name, message's, value's)`.
+template <typename Message, typename Status, typename Visit>
+void ForEachCount(Message& message, Status& status, Visit visit) {
+  visit("frames_in", message.frames_in, status.frames_in);
+  visit("frames_out", message.frames_out, status.frames_out);
+  visit("frames_skipped", message.frames_skipped, status.frames_skipped);
+  visit("frames_incomplete", message.frames_incomplete, status.frames_incomplete);
+  visit("frames_degenerate", message.frames_degenerate, status.frames_degenerate);
+  visit("frames_failed", message.frames_failed, status.frames_failed);
+  visit("frames_resent", message.frames_resent, status.frames_resent);
+  visit("bad_messages", message.bad_messages, status.bad_messages);
+  visit("sequence_gaps", message.sequence_gaps, status.sequence_gaps);
+}
+
+template <typename Message, typename Status, typename Visit>
+void ForEachReal(Message& message, Status& status, Visit visit) {
+  visit("rate_hz", message.rate_hz, status.rate_hz);
+  visit("latency_p50_ms", message.latency_p50_ms, status.latency.p50_ms);
+  visit("latency_p95_ms", message.latency_p95_ms, status.latency.p95_ms);
+  visit("latency_p99_ms", message.latency_p99_ms, status.latency.p99_ms);
+  visit("latency_max_ms", message.latency_max_ms, status.latency.max_ms);
+  visit("age_p50_ms", message.age_p50_ms, status.age.p50_ms);
+  visit("age_p95_ms", message.age_p95_ms, status.age.p95_ms);
+  visit("age_p99_ms", message.age_p99_ms, status.age.p99_ms);
+  visit("age_max_ms", message.age_max_ms, status.age.max_ms);
+  visit("spread_ms", message.spread_ms, status.spread_ms);
+  visit("tof_offset_u_px", message.tof_offset_u_px, status.tof_offset.u_px);
+  visit("tof_offset_v_px", message.tof_offset_v_px, status.tof_offset.v_px);
+  visit("tof_offset_sigma_px", message.tof_offset_sigma_px, status.tof_offset.sigma_px);
+}
+
+template <typename Message, typename Status, typename Visit>
+void ForEachText(Message& message, Status& status, Visit visit) {
+  visit("stage", message.stage, status.stage, kMaxNameLength);
+  visit("host", message.host, status.host, kMaxTextLength);
+  visit("version", message.version, status.version, kMaxTextLength);
+  visit("config_digest", message.config_digest, status.config_digest, kMaxTextLength);
+  if constexpr (requires { status.last_error; }) {
+    visit("last_error", message.last_error, status.last_error, kMaxTextLength);
+  } else {
+    visit("config_text", message.config_text, status.config_text, kMaxConfigLength);
+  }
+}
+
+constexpr auto kToMessage = [](const char*, auto& field, const auto& value) { field = value; };
+constexpr auto kTextToMessage = [](const char*, std::string& field, const std::string& value,
+                                   size_t longest) { field = Shortened(value, longest); };
+
+// Takes the texts and refuses those that are too long.
+template <typename Message, typename Status>
+void TakeTexts(const Message& message, Status& status, Checks& checks) {
+  ForEachText(message, status,
+              [&](const char* name, const std::string& field, std::string& value, size_t longest) {
+                checks.Length(name, field, longest);
+                value = field;
+              });
 }
 
 }  // namespace
@@ -18,43 +72,25 @@ TimeSummary MakeTimes(double p50, double p95, double p99, double max) {
 stage_status_t ToMessage(const StageStatus& status) {
   stage_status_t message;
   message.header = ToMessage(status.newest_frame);
-  message.stage = Shortened(status.stage, kMaxNameLength);
-  message.host = Shortened(status.host, kMaxTextLength);
-  message.version = Shortened(status.version, kMaxTextLength);
-  message.config_digest = Shortened(status.config_digest, kMaxTextLength);
-  message.last_error = Shortened(status.last_error, kMaxTextLength);
   message.pid = status.pid;
   message.state = static_cast<int32_t>(status.state);
-  message.frames_in = status.frames_in;
-  message.frames_out = status.frames_out;
-  message.frames_skipped = status.frames_skipped;
-  message.frames_incomplete = status.frames_incomplete;
-  message.frames_degenerate = status.frames_degenerate;
-  message.frames_failed = status.frames_failed;
-  message.frames_resent = status.frames_resent;
-  message.bad_messages = status.bad_messages;
-  message.sequence_gaps = status.sequence_gaps;
-  message.rate_hz = status.rate_hz;
-  message.latency_p50_ms = status.latency.p50_ms;
-  message.latency_p95_ms = status.latency.p95_ms;
-  message.latency_p99_ms = status.latency.p99_ms;
-  message.latency_max_ms = status.latency.max_ms;
-  message.age_p50_ms = status.age.p50_ms;
-  message.age_p95_ms = status.age.p95_ms;
-  message.age_p99_ms = status.age.p99_ms;
-  message.age_max_ms = status.age.max_ms;
   message.rss_bytes = status.rss_bytes;
   message.tof_coverage = status.tof_coverage;
-  message.spread_ms = status.spread_ms;
-  message.tof_offset_u_px = status.tof_offset.u_px;
-  message.tof_offset_v_px = status.tof_offset.v_px;
-  message.tof_offset_sigma_px = status.tof_offset.sigma_px;
+  ForEachText(message, status, kTextToMessage);
+  ForEachCount(message, status, kToMessage);
+  ForEachReal(message, status, kToMessage);
   return message;
 }
 
 Result<StageStatus> FromMessage(const stage_status_t& message) {
   Result<FrameId> newest_frame = FromMessage(message.header);
   if (!newest_frame) return tl::unexpected(newest_frame.error());
+  StageStatus status;
+  status.newest_frame = *std::move(newest_frame);
+  status.pid = message.pid;
+  status.state = static_cast<StageStatus::State>(message.state);
+  status.rss_bytes = message.rss_bytes;
+  status.tof_coverage = message.tof_coverage;
   Checks checks;
   checks
       .Require(message.state >= stage_status_t::STATE_READY &&
@@ -62,99 +98,39 @@ Result<StageStatus> FromMessage(const stage_status_t& message) {
                "state", message.state, "READY, RUNNING or STOPPED")
       .Require(message.tof_coverage == kUnknownCoverage ||
                    (message.tof_coverage >= 0 && message.tof_coverage <= 1),
-               "tof_coverage", message.tof_coverage, "0 to 1, or -1 for not known")
-      .Finite("rate_hz", message.rate_hz)
-      .Finite("latency_p50_ms", message.latency_p50_ms)
-      .Finite("latency_p95_ms", message.latency_p95_ms)
-      .Finite("latency_p99_ms", message.latency_p99_ms)
-      .Finite("latency_max_ms", message.latency_max_ms)
-      .Finite("age_p50_ms", message.age_p50_ms)
-      .Finite("age_p95_ms", message.age_p95_ms)
-      .Finite("age_p99_ms", message.age_p99_ms)
-      .Finite("age_max_ms", message.age_max_ms)
-      .Finite("spread_ms", message.spread_ms)
-      .Finite("tof_offset_u_px", message.tof_offset_u_px)
-      .Finite("tof_offset_v_px", message.tof_offset_v_px)
-      .Finite("tof_offset_sigma_px", message.tof_offset_sigma_px)
-      .Length("stage", message.stage, kMaxNameLength)
-      .Length("host", message.host, kMaxTextLength)
-      .Length("version", message.version, kMaxTextLength)
-      .Length("config_digest", message.config_digest, kMaxTextLength)
-      .Length("last_error", message.last_error, kMaxTextLength);
-  for (const auto& [field, count] : {std::pair{"frames_in", message.frames_in},
-                                     {"frames_out", message.frames_out},
-                                     {"frames_skipped", message.frames_skipped},
-                                     {"frames_incomplete", message.frames_incomplete},
-                                     {"frames_degenerate", message.frames_degenerate},
-                                     {"frames_failed", message.frames_failed},
-                                     {"frames_resent", message.frames_resent},
-                                     {"bad_messages", message.bad_messages},
-                                     {"sequence_gaps", message.sequence_gaps}}) {
+               "tof_coverage", message.tof_coverage, "0 to 1, or -1 for not known");
+  ForEachReal(message, status, [&](const char* name, auto field, auto& value) {
+    checks.Finite(name, field);
+    value = field;
+  });
+  TakeTexts(message, status, checks);
+  ForEachCount(message, status, [&](const char* name, int64_t field, int64_t& value) {
     // Sums of them, which are shown, do not overflow.
-    checks.Require(count >= 0 && count <= kMaxCount, field, count, "0 to 2^53");
-  }
+    checks.Require(field >= 0 && field <= kMaxCount, name, field, "0 to 2^53");
+    value = field;
+  });
   if (!checks.ok()) return checks.error();
-  return StageStatus{
-      .newest_frame = *newest_frame,
-      .stage = message.stage,
-      .host = message.host,
-      .version = message.version,
-      .config_digest = message.config_digest,
-      .last_error = message.last_error,
-      .pid = message.pid,
-      .state = static_cast<StageStatus::State>(message.state),
-      .frames_in = message.frames_in,
-      .frames_out = message.frames_out,
-      .frames_skipped = message.frames_skipped,
-      .frames_incomplete = message.frames_incomplete,
-      .frames_degenerate = message.frames_degenerate,
-      .frames_failed = message.frames_failed,
-      .frames_resent = message.frames_resent,
-      .bad_messages = message.bad_messages,
-      .sequence_gaps = message.sequence_gaps,
-      .rate_hz = message.rate_hz,
-      .latency = MakeTimes(message.latency_p50_ms, message.latency_p95_ms, message.latency_p99_ms,
-                           message.latency_max_ms),
-      .age =
-          MakeTimes(message.age_p50_ms, message.age_p95_ms, message.age_p99_ms, message.age_max_ms),
-      .rss_bytes = message.rss_bytes,
-      .tof_coverage = message.tof_coverage,
-      .spread_ms = message.spread_ms,
-      .tof_offset = {.u_px = message.tof_offset_u_px,
-                     .v_px = message.tof_offset_v_px,
-                     .sigma_px = message.tof_offset_sigma_px},
-  };
+  return status;
 }
 
 process_info_t ToMessage(const ProcessInfo& info) {
   process_info_t message;
   message.header = ToMessage(info.header);
-  message.stage = Shortened(info.stage, kMaxNameLength);
-  message.host = Shortened(info.host, kMaxTextLength);
-  message.version = Shortened(info.version, kMaxTextLength);
-  message.config_digest = Shortened(info.config_digest, kMaxTextLength);
-  message.config_text = Shortened(info.config_text, kMaxConfigLength);
   message.pid = info.pid;
+  ForEachText(message, info, kTextToMessage);
   return message;
 }
 
 Result<ProcessInfo> FromMessage(const process_info_t& message) {
   Result<FrameId> header = FromMessage(message.header);
   if (!header) return tl::unexpected(header.error());
+  ProcessInfo info;
+  info.header = *std::move(header);
+  info.pid = message.pid;
   Checks checks;
-  checks.Length("stage", message.stage, kMaxNameLength)
-      .Length("host", message.host, kMaxTextLength)
-      .Length("version", message.version, kMaxTextLength)
-      .Length("config_digest", message.config_digest, kMaxTextLength)
-      .Length("config_text", message.config_text, kMaxConfigLength);
+  TakeTexts(message, info, checks);
   if (!checks.ok()) return checks.error();
-  return ProcessInfo{.header = *std::move(header),
-                     .stage = message.stage,
-                     .host = message.host,
-                     .version = message.version,
-                     .config_digest = message.config_digest,
-                     .config_text = message.config_text,
-                     .pid = message.pid};
+  return info;
 }
 
 }  // namespace sprout

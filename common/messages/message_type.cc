@@ -74,27 +74,27 @@ std::optional<MessageType> TypeOfChannel(std::string_view channel) {
 
 Result<DecodedMessage> DecodeAs(MessageType type, std::span<const uint8_t> bytes) {
   if (type == MessageType::kStatus) {
-    Result<StageStatus> status = DecodeStatus(bytes);
-    if (!status) return tl::unexpected(status.error());
-    return DecodedMessage{std::move(status->newest_frame), {}};
+    return DecodeStatus(bytes).map([](StageStatus&& status) {
+      return DecodedMessage{std::move(status.newest_frame), {}};
+    });
   }
   if (type == MessageType::kProcess) {
-    Result<ProcessInfo> info = DecodeProcessInfo(bytes);
-    if (!info) return tl::unexpected(info.error());
-    return DecodedMessage{std::move(info->header), {}};
+    return DecodeProcessInfo(bytes).map([](ProcessInfo&& info) {
+      return DecodedMessage{std::move(info.header), {}};
+    });
   }
   if (type == MessageType::kRigChange) {
-    Result<RigChange> change = DecodeRigChange(bytes);
-    if (!change) return tl::unexpected(change.error());
-    return DecodedMessage{std::move(change->newest_frame), {}};
+    return DecodeRigChange(bytes).map([](RigChange&& change) {
+      return DecodedMessage{std::move(change.newest_frame), {}};
+    });
   }
   // Any part of the type: decoding is the same for all of them, but that only a cloud in the
   // robot's frame may have any point.
   const auto any = std::ranges::find(kAllParts, type, [](Part part) { return TypeOf(part); });
-  Result<DecodedPart> part =
-      DecodePart(type == MessageType::kCloud ? Part::kBaseCloud : *any, bytes);
-  if (!part) return tl::unexpected(part.error());
-  return DecodedMessage{std::move(part->id), std::move(part->value)};
+  return DecodePart(type == MessageType::kCloud ? Part::kBaseCloud : *any, bytes)
+      .map([](DecodedPart&& part) {
+        return DecodedMessage{std::move(part.id), std::move(part.value)};
+      });
 }
 
 }  // namespace sprout
