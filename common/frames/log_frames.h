@@ -13,7 +13,6 @@
 #include "common/frames/frame_index.h"
 #include "common/frames/frame_joiner.h"
 #include "common/logfile/channel_counts.h"
-#include "common/logfile/event_fetcher.h"
 #include "common/logfile/log_reader.h"
 
 namespace sprout {

@@ -3,14 +3,14 @@
 namespace sprout {
 namespace {
 
-constexpr int64_t kChunkBytes = int64_t{1} << 20;
+constexpr int64_t kChunkBytes = int64_t{1} << 20;  // of a log that is read in order
+constexpr int64_t kEventBytes = 4096;              // of single events
 
 bool IsNext(const EventPosition& before, const EventPosition& event) {
   return event.header.number > 0 && event.header.number - 1 == before.header.number;
 }
 
-}  // namespace
-
+// The event in these bytes, which begin at `offset`, as views.
 LogEvent MakeEvent(const EventHeader& header, int64_t offset, std::span<const uint8_t> bytes) {
   const auto channel = bytes.subspan(kHeaderBytes, static_cast<size_t>(header.channel_bytes));
   return {.number = header.number,
@@ -19,6 +19,8 @@ LogEvent MakeEvent(const EventHeader& header, int64_t offset, std::span<const ui
           .channel = {reinterpret_cast<const char*>(channel.data()), channel.size()},
           .data = bytes.subspan(kHeaderBytes + channel.size())};
 }
+
+}  // namespace
 
 std::string SkippedText(const LogDamage& damage) {
   return std::to_string(damage.bytes) + " unreadable bytes at byte " +
@@ -67,6 +69,18 @@ bool LogReader::Next(LogEvent& event) {
   event =
       MakeEvent(next->header, next->offset, window_.View(next->offset, next->header.event_bytes()));
   return true;
+}
+
+EventFetcher::EventFetcher(const std::filesystem::path& path)
+    : file_(path), window_(file_, kEventBytes) {}
+
+LogEvent EventFetcher::Fetch(int64_t offset) {
+  const auto head = window_.View(offset, kMaxHeadBytes);
+  const auto header = DecodeHeader(head);
+  if (!header || !IsPlausible(*header, head) || header->event_bytes() > file_.size() - offset) {
+    throw LogError(file_.path(), "changed while it was read");
+  }
+  return MakeEvent(*header, offset, window_.View(offset, header->event_bytes()));
 }
 
 }  // namespace sprout

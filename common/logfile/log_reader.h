@@ -23,9 +23,6 @@ struct LogEvent {
   std::span<const uint8_t> data;
 };
 
-/// The event in these bytes, which begin at `offset`, as views.
-LogEvent MakeEvent(const EventHeader& header, int64_t offset, std::span<const uint8_t> bytes);
-
 /// A stretch of bytes without a readable event.
 struct LogDamage {
   int64_t offset = 0;  ///< first unreadable byte
@@ -72,6 +69,21 @@ class LogReader {
   std::optional<EventPosition> trusted_;  // the last one whose number is confirmed by another
   std::optional<EventPosition> ahead_;    // the next one, if already found
   std::vector<LogDamage> damage_;
+};
+
+/// Reads single events of a log again, in any order.
+class EventFetcher {
+ public:
+  /// @throws LogError when the file cannot be opened.
+  explicit EventFetcher(const std::filesystem::path& path);
+
+  /// The event that LogReader found at `offset`; its views are valid until the next call.
+  /// @throws LogError when it no longer exists.
+  LogEvent Fetch(int64_t offset);
+
+ private:
+  InputFile file_;
+  FileWindow window_;
 };
 
 }  // namespace sprout

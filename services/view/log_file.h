@@ -14,7 +14,6 @@
 
 #include "common/app/log_limiter.h"
 #include "common/frames/frame_index.h"
-#include "common/logfile/event_fetcher.h"
 #include "common/logfile/log_reader.h"
 #include "services/view/frame_source.h"
 #include "services/view/status_history.h"

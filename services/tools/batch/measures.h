@@ -10,7 +10,7 @@
 
 #include "common/core/frame.h"
 #include "common/frames/frame_index.h"
-#include "common/logfile/event_fetcher.h"
+#include "common/logfile/log_reader.h"
 #include "services/tools/batch/frame_table.h"
 
 namespace sprout::batch {

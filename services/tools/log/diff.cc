@@ -7,7 +7,7 @@
 #include <memory>
 #include <tuple>
 
-#include "common/logfile/event_fetcher.h"
+#include "common/logfile/log_reader.h"
 #include "services/tools/log/commands.h"
 #include "services/tools/log/event_stream.h"
 #include "services/tools/log/message_diff.h"

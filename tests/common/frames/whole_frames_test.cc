@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "common/frames/log_frames.h"
-#include "common/logfile/event_fetcher.h"
+#include "common/logfile/log_reader.h"
 #include "tests/common/app/log_files.h"
 #include "tests/common/picture/temporary_directory.h"
 

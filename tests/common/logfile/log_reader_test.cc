@@ -4,7 +4,6 @@
 #include <lcm/lcm.h>
 #include <sys/stat.h>
 
-#include "common/logfile/event_fetcher.h"
 #include "tests/common/logfile/sample_log.h"
 #include "tests/common/testing/test_with_folder.h"
 #include "tests/common/testing/thrown.h"

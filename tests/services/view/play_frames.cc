@@ -11,7 +11,7 @@
 #include "common/bus/channels.h"
 #include "common/bus/publisher.h"
 #include "common/frames/frame_index.h"
-#include "common/logfile/event_fetcher.h"
+#include "common/logfile/log_reader.h"
 
 namespace sprout::view {
 namespace {
