@@ -3,12 +3,13 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "common/app/log_limiter.h"
 #include "common/core/image.h"
+#include "common/core/repeat_count.h"
 #include "common/messages/codec.h"
-#include "services/capture/frozen_watch.h"
 
 namespace sprout::capture {
 namespace {
@@ -16,6 +17,49 @@ namespace {
 // A clock that was set back by more, or a single stamp that was ahead, is followed at once: frames
 // that are stamped 1 µs apart until the clock is there again would be wrong for hours.
 constexpr int64_t kMaxHeldUs = 1'000'000;
+
+// Warns of cameras that give the same image again and again, to the last bit, as one that hangs
+// does: noise makes each image of one that works another. The warning holds until the image
+// changes.
+class FrozenWatch {
+ public:
+  explicit FrozenWatch(StageMonitor& monitor) : monitor_(monitor) {}
+
+  // Takes the images of the next frame; empty ones are not looked at.
+  void Add(const scenes::CapturedFrame& frame) {
+    Look(cameras_[0], frame.left);
+    Look(cameras_[1], frame.right);
+    Look(cameras_[2], frame.tof.depth_m);
+  }
+
+ private:
+  static constexpr int kImages = 10;  // in a row that are the same before it is said
+
+  struct Camera {
+    const char* name;
+    RepeatCount count = {};
+    std::string warning = {};
+  };
+
+  void Look(Camera& camera, const cv::Mat& image) {
+    if (image.empty()) return;
+    const int same = camera.count.Add(image);
+    if (same == kImages) {
+      camera.warning = fmt::format(
+          "the {} camera gives the same image again and again, bit for bit: it hangs, or sees "
+          "nothing",
+          camera.name);
+      monitor_.Warn(camera.warning);
+      monitor_.HoldWarning(camera.warning);
+    } else if (same == 1 && !camera.warning.empty()) {
+      monitor_.Resolve(camera.warning);
+      camera.warning.clear();
+    }
+  }
+
+  StageMonitor& monitor_;
+  std::array<Camera, 3> cameras_ = {Camera{"left"}, Camera{"right"}, Camera{"range"}};
+};
 
 class SourceFeed : public CaptureFeed {
  public:

@@ -3,7 +3,6 @@
 #include <zstd.h>
 
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 
 #include "tests/services/capture/ros_recording.h"
 
@@ -251,21 +250,10 @@ TEST(RosForeign, ARawRangeImageNeedsNoP) {
 TEST(RosForeign, ImagesAndRangesMayBeCompressed) {
   const Rig rig = examples::Rig();
   RosRecording file(rig);
-  const auto add = [&](const std::string& topic, const std::string& format, const cv::Mat& image,
-                       size_t header) {
-    std::vector<uint8_t> png;
-    cv::imencode(".png", image, png);
-    png.insert(png.begin(), header, uint8_t{0});
-    RosMessage<RosCompressedImage> message;
-    message->header.stamp = RosStamp(kStart);
-    SetRosText(message->format, format);
-    std::ranges::copy(png, ResizeRos(message->data, png.size()).begin());
-    file.Add(topic, message);
-  };
-  add("/left/image/compressed", "PNG", Grey(5), 0);
-  add("/right/image/compressed", "", Grey(5), 0);
+  file.AddPng("/left/image/compressed", "PNG", Grey(5));
+  file.AddPng("/right/image/compressed", "", Grey(5));
   const cv::Mat1w range(rig.tof.height, rig.tof.width, uint16_t{2500});
-  add("/tof/image/compressedDepth", "16UC1; compressedDepth", range, 12);
+  file.AddPng("/tof/image/compressedDepth", "16UC1; compressedDepth", range, 12);
   file.Add("/tof/camera_info", ToRosTofInfo({kStart, RosFrames().tof}, rig.tof));
   file.Finish();
   const Opened opened = OpenAll("mcap:" + file.path() +
@@ -280,12 +268,7 @@ TEST(RosForeign, ImagesAndRangesMayBeCompressed) {
 TEST(RosForeign, RawImagesNeedNoCalibration) {
   RosRecording file;
   for (const char* topic : {"/left/image/compressed", "/right/image/compressed"}) {
-    std::vector<uint8_t> png;
-    cv::imencode(".png", Grey(5), png);
-    RosMessage<RosCompressedImage> message;
-    message->header.stamp = RosStamp(kStart);
-    std::ranges::copy(png, ResizeRos(message->data, png.size()).begin());
-    file.Add(topic, message);
+    file.AddPng(topic, "", Grey(5));
   }
   file.Finish();
   Told told;

@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -61,6 +64,19 @@ class RosRecording {
                 uint64_t time_ns = 0) {
     const bool is_of_tof = topic.starts_with("/tof/");
     Add(topic, ToRosImage({utime, is_of_tof ? RosFrames().tof : "frame"}, image), time_ns);
+  }
+
+  /// @param header_bytes  before the picture, zeros.
+  void AddPng(const std::string& topic, const std::string& format, const cv::Mat& image,
+              size_t header_bytes = 0) {
+    std::vector<uint8_t> png;
+    cv::imencode(".png", image, png);
+    RosMessage<RosCompressedImage> message;
+    message->header.stamp = RosStamp(kStart);
+    SetRosText(message->format, format);
+    std::ranges::copy(png, ResizeRos(message->data, header_bytes + png.size()).begin() +
+                               static_cast<std::ptrdiff_t>(header_bytes));
+    Add(topic, message);
   }
 
   void AddPair(int64_t utime, const cv::Mat& image, uint64_t time_ns = 0) {

@@ -4,7 +4,6 @@
 
 #include <limits>
 
-#include "common/messages/jpeg.h"
 #include "common/scenes/velodyne_scan.h"
 #include "tests/common/scenes/kitti_folder.h"
 #include "tests/services/capture/ros_recording.h"
@@ -283,22 +282,6 @@ TEST(RosSource, RefusesWhatItCannotUseAtOnce) {
   ASSERT_EQ(told.refused.size(), 6U);
   EXPECT_THAT(told.refused[0], testing::StartsWith("/left/image: "));
   EXPECT_THAT(told.refused[0], HasSubstr("nonsense"));
-}
-
-TEST(RosSource, DecodesJpeg) {
-  RosRecording file(examples::Rig());
-  for (const char* topic : {"/left/image", "/right/image"}) {
-    RosMessage<RosCompressedImage> message;
-    message->header.stamp = RosStamp(kStart);
-    SetRosText(message->format, "mono8; jpeg compressed ");
-    const std::string jpeg = WriteJpeg(Grey(90), JpegColors::kFull);
-    std::ranges::copy(jpeg, ResizeRos(message->data, jpeg.size()).begin());
-    file.Add(topic, message);
-  }
-  Told told;
-  const auto frames = All(*OpenRosSource(file.Source(), told.Options()));
-  ASSERT_EQ(frames.size(), 1U);
-  EXPECT_NEAR(frames[0].left.at<uint8_t>(9, 9), 90, 1);
 }
 
 TEST(RosSource, SaysWhatIsMissing) {
