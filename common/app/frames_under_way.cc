@@ -61,11 +61,6 @@ std::optional<size_t> FramesUnderWay::MostLocked() const {
   return static_cast<size_t>((all + slowest - Clock::duration(1)) / slowest);
 }
 
-bool FramesUnderWay::HasRoom() {
-  const std::lock_guard lock(mutex_);
-  return HasRoomLocked();
-}
-
 bool FramesUnderWay::WaitForRoom(std::chrono::milliseconds time, const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   auto deadline = Clock::now() + time;

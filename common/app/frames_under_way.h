@@ -45,8 +45,6 @@ class FramesUnderWay {
   /// few answers; nothing while there was no answer.
   std::optional<size_t> Most() const;
 
-  bool HasRoom();
-
   /// Waits until there is room, but not longer than `time`, and not once `stop` is requested.
   /// @returns whether there is.
   bool WaitForRoom(std::chrono::milliseconds time, const std::stop_token& stop);

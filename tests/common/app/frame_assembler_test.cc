@@ -46,17 +46,6 @@ TEST(FrameAssembler, RefusesACompressedMapThatDoesNotFitTheFramesImages) {
   EXPECT_THAT(assembler.Add("SPROUT_PRIOR", CompressedPrior(3, {3, 2})), SizeIs(1));
 }
 
-TEST(FrameAssembler, RefusesACompressedMapThatDoesNotFitTheCalibration) {
-  CapturedLog log;
-  StageMonitor monitor("view", "");
-  FrameAssembler assembler({Part::kPrior, Part::kRig}, monitor);
-  assembler.Add("SPROUT_RIG", EncodePart({.utime = 3, .seq = 3, .rig_id = "rig"}, Part::kRig,
-                                         examples::Rig(), DisparityEncoding::kRawInt16));
-  EXPECT_THAT(assembler.Add("SPROUT_PRIOR", CompressedPrior(3, {3000, 2000})), IsEmpty());
-  EXPECT_THAT(monitor.Snapshot().last_error, HasSubstr("size of the frame's images, 640x480"));
-  EXPECT_THAT(assembler.Add("SPROUT_PRIOR", CompressedPrior(3, {640, 480})), SizeIs(1));
-}
-
 TEST_F(FrameAssemblerTest, ListsTheChannelsOfItsParts) {
   EXPECT_THAT(assembler_.channels(), ElementsAre("SPROUT_LEFT", "SPROUT_SEEDS"));
 }
@@ -80,12 +69,6 @@ TEST_F(FrameAssemblerTest, CountsAndNamesABadMessage) {
   EXPECT_THAT(monitor_.Snapshot().last_error, ::testing::StartsWith("SPROUT_LEFT: "));
   EXPECT_THAT(assembler_.Add("SPROUT_SEEDS", Image(3, 99)), IsEmpty());
   EXPECT_THAT(monitor_.Snapshot().last_error, "SPROUT_SEEDS: fingerprint is not that of seeds_t");
-}
-
-TEST_F(FrameAssemblerTest, GoesOnAfterABadMessage) {
-  assembler_.Add("SPROUT_LEFT", std::vector<uint8_t>(100, 7));
-  assembler_.Add("SPROUT_LEFT", Image(4, 1));
-  EXPECT_THAT(assembler_.Add("SPROUT_SEEDS", Seeds(4)), SizeIs(1));
 }
 
 TEST_F(FrameAssemblerTest, IgnoresAChannelThatItDoesNotNeed) {

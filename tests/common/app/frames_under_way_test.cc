@@ -27,6 +27,7 @@ class FramesUnderWayTest : public ::testing::Test {
       Finish(static_cast<int64_t>(1000 + i), first, second, last);
     }
   }
+  bool HasRoom() { return frames_.WaitForRoom(milliseconds(0), {}); }
   void Send(int64_t seq) { frames_.Sent(Number(seq), milliseconds(10)); }
 
   FramesUnderWay::Clock::time_point now_{};
@@ -35,7 +36,7 @@ class FramesUnderWayTest : public ::testing::Test {
 
 TEST_F(FramesUnderWayTest, AnyNumberIsUnderWayUntilOneIsAnswered) {
   for (int seq = 0; seq < 1000; ++seq) {
-    EXPECT_TRUE(frames_.HasRoom());
+    EXPECT_TRUE(HasRoom());
     Send(seq);
     frames_.Passed(Number(seq));
     now_ += milliseconds(100);
@@ -74,19 +75,19 @@ TEST_F(FramesUnderWayTest, WaitingForAStageIsNoWork) {
 TEST_F(FramesUnderWayTest, OneOfThemIsTheOneThatBegins) {
   FinishSome(milliseconds(20), milliseconds(20), milliseconds(50));  // two
   Send(1);
-  EXPECT_TRUE(frames_.HasRoom());
+  EXPECT_TRUE(HasRoom());
   Send(2);
-  EXPECT_FALSE(frames_.HasRoom());
+  EXPECT_FALSE(HasRoom());
   frames_.Passed(Number(1));
-  EXPECT_FALSE(frames_.HasRoom());
+  EXPECT_FALSE(HasRoom());
   frames_.Answered(Number(1));
-  EXPECT_TRUE(frames_.HasRoom());
+  EXPECT_TRUE(HasRoom());
   FinishSome(milliseconds(30), milliseconds(30), milliseconds(30));  // three
   for (int seq = 3; seq < 6; ++seq) {
-    EXPECT_TRUE(frames_.HasRoom());
+    EXPECT_TRUE(HasRoom());
     Send(seq);
   }
-  EXPECT_FALSE(frames_.HasRoom());
+  EXPECT_FALSE(HasRoom());
 }
 
 TEST_F(FramesUnderWayTest, AnAnswerAlsoEndsTheFramesBefore) {
@@ -94,7 +95,7 @@ TEST_F(FramesUnderWayTest, AnAnswerAlsoEndsTheFramesBefore) {
   for (int seq = 1; seq < 4; ++seq) Send(seq);
   frames_.Answered(Number(2));  // the first one was lost
   Send(4);
-  EXPECT_TRUE(frames_.HasRoom());
+  EXPECT_TRUE(HasRoom());
 }
 
 TEST_F(FramesUnderWayTest, AnswersToUnknownFramesCountForNothing) {
@@ -104,17 +105,17 @@ TEST_F(FramesUnderWayTest, AnswersToUnknownFramesCountForNothing) {
   for (int seq = 1; seq < 4; ++seq) Send(seq);
   frames_.Passed(Number(7));
   frames_.Answered(Number(7));
-  EXPECT_FALSE(frames_.HasRoom());
+  EXPECT_FALSE(HasRoom());
 }
 
 TEST_F(FramesUnderWayTest, AStageThatIsGoneHoldsNothingBackForLong) {
   FinishSome(milliseconds(30), milliseconds(30), milliseconds(20));
   for (int seq = 1; seq < 4; ++seq) Send(seq);
   now_ += milliseconds(200);
-  EXPECT_FALSE(frames_.HasRoom());
+  EXPECT_FALSE(HasRoom());
   now_ += milliseconds(1);  // four times 50
   for (int seq = 4; seq < 100; ++seq) {
-    EXPECT_TRUE(frames_.HasRoom()) << seq;
+    EXPECT_TRUE(HasRoom()) << seq;
     Send(seq);
     now_ += milliseconds(10);
   }
@@ -124,7 +125,7 @@ TEST_F(FramesUnderWayTest, WhatWasSentMeanwhileIsUnderWayWhenTheStageIsBack) {
   for (int seq = 0; seq < 4; ++seq) Send(seq);
   now_ += milliseconds(10);
   frames_.Answered(Number(0));
-  EXPECT_FALSE(frames_.HasRoom());
+  EXPECT_FALSE(HasRoom());
 }
 
 TEST_F(FramesUnderWayTest, TheSlowestOfTheNewestEightSaysHowLongToWait) {
@@ -132,12 +133,12 @@ TEST_F(FramesUnderWayTest, TheSlowestOfTheNewestEightSaysHowLongToWait) {
   for (int seq = 1; seq < 8; ++seq) Finish(seq, milliseconds(5), milliseconds(5), milliseconds(5));
   for (int seq = 8; seq < 12; ++seq) Send(seq);
   now_ += milliseconds(2000);
-  EXPECT_FALSE(frames_.HasRoom());
+  EXPECT_FALSE(HasRoom());
   frames_.Answered(Number(11));
   FinishSome(milliseconds(5), milliseconds(5), milliseconds(5));
   for (int seq = 20; seq < 24; ++seq) Send(seq);
   now_ += milliseconds(41);
-  EXPECT_TRUE(frames_.HasRoom());
+  EXPECT_TRUE(HasRoom());
 }
 
 TEST_F(FramesUnderWayTest, WaitingEndsWithTheAnswer) {
