@@ -9,12 +9,6 @@
 namespace sprout {
 namespace {
 
-TEST(Mailbox, HandsOverWhatWasPut) {
-  Mailbox<int> mailbox;
-  EXPECT_FALSE(mailbox.Put(1));
-  EXPECT_EQ(mailbox.Take(std::stop_token()), 1);
-}
-
 TEST(Mailbox, KeepsTheNewestAndSaysThatOneWasReplaced) {
   Mailbox<int> mailbox;
   EXPECT_FALSE(mailbox.Put(1));
@@ -37,13 +31,6 @@ TEST(Mailbox, TakesMoveOnlyValues) {
   const std::optional<std::unique_ptr<int>> taken = mailbox.Take(std::stop_token());
   ASSERT_TRUE(taken);
   EXPECT_EQ(**taken, 5);
-}
-
-TEST(Mailbox, GivesNothingWhenAStopWasRequestedBefore) {
-  Mailbox<int> mailbox;
-  std::stop_source source;
-  source.request_stop();
-  EXPECT_EQ(mailbox.Take(source.get_token()), std::nullopt);
 }
 
 TEST(Mailbox, GivesNothingAfterAStopEvenWhenItIsFull) {

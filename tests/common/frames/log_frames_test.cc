@@ -83,15 +83,6 @@ TEST_F(LogFramesTest, HasTheAnswersOfStagesThatLagFiftyFramesBehind) {
   }
 }
 
-TEST_F(LogFramesTest, GivesTheFramesOfARecordingThatPlayedTwiceTwice) {
-  const auto frames =
-      Read({LeftEvent(0, 1), LeftEvent(1, 1), LeftEvent(2, 1), LeftEvent(0, 2), LeftEvent(1, 2)},
-           {.look_back = 1});
-  ASSERT_THAT(Seqs(frames), ElementsAre(0, 1, 2, 0, 1));
-  EXPECT_EQ(frames[0].left.at<uint8_t>(0, 0), 1);
-  EXPECT_EQ(frames[3].left.at<uint8_t>(0, 0), 2);
-}
-
 TEST_F(LogFramesTest, KnowsACalibrationThatStandsFurtherOn) {
   const auto frames =
       Read({LeftEvent(0, 1), LeftEvent(1, 1), LeftEvent(2, 1), RigEvent(3)}, {.look_back = 1});

@@ -75,14 +75,6 @@ TEST_F(LogFolderTest, CanBeReadWhileItGrows) {
   EXPECT_THAT(ReadLog(logs.path()).seconds, ElementsAre(1));
 }
 
-TEST_F(LogFolderTest, GoesOnFromTheLargestNumber) {
-  std::ofstream(folder_ / "record_000041_20990101_000000Z.lcm");
-  LogFolder logs({.folder = folder_ / "", .max_file_bytes = kPlenty, .quota_bytes = kPlenty},
-                 LastWords);
-  logs.Write(MakeRecorded(1));
-  EXPECT_EQ(RecordingNumber(logs.path()), 42);
-}
-
 TEST_F(LogFolderTest, CountsOnAndDeletesBesideTheLargestNumberThatThereIs) {
   std::ofstream(folder_ / "record_000041_20990101_000000Z.lcm") << std::string(300, 'x');
   std::ofstream(folder_ / "record_9223372036854775807_x.lcm") << std::string(300, 'x');

@@ -57,15 +57,6 @@ TEST_F(RecorderTest, WritesNothingUntilATrigger) {
   EXPECT_EQ(folder_.files(), 0);
 }
 
-TEST_F(RecorderTest, WritesTheRingAndWhatFollows) {
-  Recorder recorder(kRing, folder_);
-  AddFromTo(recorder, 1, 10);
-  EXPECT_TRUE(TriggerAt(recorder, 10.5));
-  AddFromTo(recorder, 11, 20);
-  EXPECT_FALSE(folder_.is_open());
-  EXPECT_THAT(Seconds(1), ElementsAre(8, 9, 10, 11, 12, 99));
-}
-
 TEST_F(RecorderTest, IsProlongedByTriggersMeanwhile) {
   Recorder recorder(kRing, folder_);
   AddFromTo(recorder, 1, 10);
@@ -149,15 +140,6 @@ TEST_F(RecorderTest, BeginsANewLogAfterSilence) {
   recorder.Finish();
   EXPECT_THAT(Seconds(1), ElementsAre(1, 2, 99));
   EXPECT_THAT(Seconds(2), ElementsAre(51, 99));
-}
-
-TEST_F(RecorderTest, EndsTheLogWhenItIsStopped) {
-  Recorder recorder(kRing, folder_);
-  AddFromTo(recorder, 1, 2);
-  TriggerAt(recorder, 2.5);
-  recorder.AddStatus(MakeRecorded(3));
-  recorder.Finish();
-  EXPECT_THAT(Seconds(1), ElementsAre(1, 2, 3, 99));
 }
 
 // A full disk, as the quota is one.
