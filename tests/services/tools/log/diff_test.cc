@@ -56,14 +56,15 @@ TEST_F(LogDiffTest, SaysWhichPixelsOfWhichFrameDiffer) {
   std::vector<Event> other = events_;
   DisparityImage changed = LogDisparity(7);
   changed.counts()(0, 5) = static_cast<int16_t>(changed.counts()(0, 5) + 48);
+  changed.counts()(1, 5) = static_cast<int16_t>(changed.counts()(1, 5) - 16);
   changed.counts()(3, 9) = DisparityImage::kInvalid;
   changed.counts()(2, 0) = 32;
   EventOf(other, Part::kDisparity, 7) = PartEvent(Part::kDisparity, 7, changed);
   const std::string out = OutOfDiff(events_, other, 1);
   EXPECT_THAT(
       out,
-      HasSubstr("SPROUT_DISPARITY, frame 7 (utime 1700000000700000): 3 of 768 pixels differ: "
-                "1 changed (mean 1.500 px, max 1.500 px), 1 newly valid, 1 newly invalid; first at "
+      HasSubstr("SPROUT_DISPARITY, frame 7 (utime 1700000000700000): 4 of 768 pixels differ: "
+                "2 changed (mean 1.000 px, max 1.500 px), 1 newly valid, 1 newly invalid; first at "
                 "(5, 0)\n"));
   EXPECT_THAT(out, HasSubstr("first difference: SPROUT_DISPARITY, frame 7"));
   EXPECT_THAT(out, EndsWith("\ndifferent\n"));

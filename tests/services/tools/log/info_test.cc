@@ -176,23 +176,6 @@ FrameId Id(int64_t seq, int64_t start = 0) {
   return {.utime = start + 100 * seq, .seq = seq, .rig_id = ""};
 }
 
-TEST(Sequence, KnowsFramesThatComeAgain) {
-  Sequence sequence;
-  for (const int seq : {0, 1, 0, 1, 1, 2}) sequence.Add(Id(seq));
-  EXPECT_EQ(sequence.repeated(), 3);
-  EXPECT_EQ(sequence.missing(), 0);
-  EXPECT_EQ(sequence.restarts(), 0);
-}
-
-TEST(Sequence, KnowsACaptureThatBeganAnew) {
-  Sequence sequence;
-  for (const int seq : {7, 8}) sequence.Add(Id(seq));
-  for (const int seq : {0, 1, 3}) sequence.Add(Id(seq, 1'000'000));
-  EXPECT_EQ(sequence.restarts(), 1);
-  EXPECT_EQ(sequence.missing(), 1);
-  EXPECT_EQ(sequence.last(), 3);
-}
-
 TEST(Sequence, ShowsTheFirstGapsOnly) {
   Sequence sequence;
   for (int seq = 0; seq < 100; seq += 2) sequence.Add(Id(seq));

@@ -14,27 +14,6 @@ Bytes Encoded(Part part, const PartValue& value,
   return EncodePart(LogFrameId(1), part, value, encoding);
 }
 
-TEST(MessageDiff, CountsWhatChangesInADisparityMap) {
-  const DisparityImage a(cv::Mat1s(cv::Size(4, 2), int16_t{320}));
-  DisparityImage b(a.counts().clone());
-  b.counts()(0, 3) = 320 + 16;
-  b.counts()(1, 0) = 320 - 64;
-  b.counts()(1, 1) = DisparityImage::kInvalid;
-  DisparityDiff diff = Compare(a, b);
-  EXPECT_EQ(diff.pixels, 8);
-  EXPECT_EQ(diff.differing, 3);
-  EXPECT_EQ(diff.changed, 2);
-  EXPECT_EQ(diff.newly_valid, 0);
-  EXPECT_EQ(diff.newly_invalid, 1);
-  EXPECT_EQ(diff.max_px, 2.0);
-  EXPECT_EQ(diff.mean_px(), 1.25);
-  EXPECT_EQ(diff.first, cv::Point(3, 0));
-  diff = Compare(b, a);
-  EXPECT_EQ(diff.newly_valid, 1);
-  EXPECT_EQ(diff.newly_invalid, 0);
-  EXPECT_EQ(Compare(a, a).differing, 0);
-}
-
 TEST(MessageDiff, DoesNotOverflowBetweenTheEndsOfTheScale) {
   const DisparityImage a(cv::Mat1s(1, 1, int16_t{32767}));
   const DisparityImage b(cv::Mat1s(1, 1, int16_t{-32767}));
