@@ -51,10 +51,11 @@ class MatchTerm {
     const double* numbers = end.change.data();
     const double* depth = &end.inverse_depths[i];
     const MatchError error{end.rig, match_, end.column_sigma_px, end.row_sigma_px};
-    is_usable_ = Add<2>(error, {{kPitch, 3}, {kPlaceY, 2}, {kFocal, 3}}, numbers, depth);
+    is_usable_ = Add<MatchError, 2, 3, 2, 3>(error, {kPitch, kPlaceY, kFocal}, numbers, depth);
     if (!is_usable_ || !match_.tof) return;
     const PatchError patch{end.rig, match_, PatchSigma()};
-    is_usable_ = Add<1>(patch, {{kFocal, 3}, {kTofPitch, 3}, {kRangeOffset, 1}}, numbers, depth);
+    is_usable_ =
+        Add<PatchError, 1, 3, 3, 1>(patch, {kFocal, kTofPitch, kRangeOffset}, numbers, depth);
   }
 
   bool is_usable() const { return is_usable_ && curvature_ > 0; }
@@ -73,28 +74,29 @@ class MatchTerm {
   }
 
  private:
-  using Block = std::pair<RigNumber, int>;
-
   double PatchSigma() const { return end_.patch_sigmas * match_.tof->sigma_m; }
 
-  template <int kSize, typename Error>
-  bool Add(const Error& error, const Block (&blocks)[3], const double* numbers,
+  // Adds kSize residuals by three blocks of numbers, which begin at `firsts`, and the depth.
+  template <typename Error, int kSize, int... kBlockSizes>
+  bool Add(const Error& error, const RigNumber (&firsts)[3], const double* numbers,
            const double* depth) {
+    constexpr int kSizes[] = {kBlockSizes...};
     double residuals[kSize];
     double by_block[3][kSize * 3];
     double by_depth[kSize];
-    const double* at[] = {numbers + blocks[0].first, numbers + blocks[1].first,
-                          numbers + blocks[2].first, depth};
+    const double* at[] = {numbers + firsts[0], numbers + firsts[1], numbers + firsts[2], depth};
     double* jacobians[] = {by_block[0], by_block[1], by_block[2], by_depth};
-    if (!Evaluate(error, at, residuals, jacobians)) return false;
+    const ceres::AutoDiffCostFunction<Error, kSize, kBlockSizes..., 1> cost(new Error(error));
+    if (!cost.Evaluate(at, residuals, jacobians)) return false;
     double square = 0;
     for (const double residual : residuals) square += residual * residual;
     last_weight_ = 1 / (1 + square / (kLossSigmas * kLossSigmas));
     for (int k = 0; k < kSize; ++k) {
       last_row_.setZero();
       for (int b = 0; b < 3; ++b) {
-        const auto& [first, size] = blocks[b];
-        for (int j = 0; j < size; ++j) last_row_[first + j] = by_block[b][k * size + j];
+        for (int j = 0; j < kSizes[b]; ++j) {
+          last_row_[firsts[b] + j] = by_block[b][k * kSizes[b] + j];
+        }
       }
       last_depth_ = by_depth[k];
       squares_ += last_weight_ * last_row_.transpose() * last_row_;
@@ -104,17 +106,6 @@ class MatchTerm {
       curvature_ += last_weight_ * last_depth_ * last_depth_;
     }
     return true;
-  }
-
-  static bool Evaluate(const MatchError& error, const double* const* at, double* residuals,
-                       double** jacobians) {
-    return ceres::AutoDiffCostFunction<MatchError, 2, 3, 2, 3, 1>(new MatchError(error))
-        .Evaluate(at, residuals, jacobians);
-  }
-  static bool Evaluate(const PatchError& error, const double* const* at, double* residuals,
-                       double** jacobians) {
-    return ceres::AutoDiffCostFunction<PatchError, 1, 3, 3, 1, 1>(new PatchError(error))
-        .Evaluate(at, residuals, jacobians);
   }
 
   const AdjustmentEnd& end_;

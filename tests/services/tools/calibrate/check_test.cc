@@ -62,7 +62,25 @@ class CalibrateCheck : public testing::Test {
     return outcome;
   }
 
+  MainOutcome CheckFolderWithRig() const {
+    RigDescription description;
+    *description.mutable_calibration() = ToCalibration(rig_);
+    EXPECT_TRUE(SaveRigFile(folder_ / "rig.textproto", description));
+    return RunCalibrate("check " + (folder_ / ".").string() + " --rig " +
+                        (folder_ / "rig.textproto").string());
+  }
+
+  // Of a frame that does not tell whether the rig is right.
+  std::string OutOfUndecided(const RigImages& images) const {
+    WriteImages(folder_ / ".", "0", images);
+    const MainOutcome outcome = CheckFolderWithRig();
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_THAT(outcome.out, Not(HasSubstr("to put it right")));
+    return outcome.out;
+  }
+
   const TemporaryDirectory folder_;
+  const RawRig rig_ = SceneRig({640, 480});
 };
 
 TEST_F(CalibrateCheck, FindsNothingWrongWithAGoodRig) {
@@ -95,77 +113,45 @@ TEST_F(CalibrateCheck, NoticesAToFCameraThatWasKnocked) {
 }
 
 TEST_F(CalibrateCheck, TakesFoldersOfUnrectifiedImagesWithARigFile) {
-  const RawRig rig = SceneRig({640, 480});
   const Board board{BoardSize{}};
-  const BoardScene scene(board, rig);
+  const BoardScene scene(board, rig_);
   const std::vector<Pose> poses = BoardPoses(board, 3);
   for (uint32_t i = 0; i < poses.size(); ++i) {
     WriteImages(folder_ / ".", std::to_string(i), scene.Render(poses[i], i));
   }
-  RigDescription description;
-  *description.mutable_calibration() = ToCalibration(rig);
-  ASSERT_TRUE(SaveRigFile(folder_ / "rig.textproto", description));
-  const std::string folder = folder_ / ".";
-  const MainOutcome with_rig =
-      RunCalibrate("check " + folder + " --rig " + (folder_ / "rig.textproto").string());
+  const MainOutcome with_rig = CheckFolderWithRig();
   EXPECT_EQ(with_rig.exit_code, 0) << with_rig.out << with_rig.err;
   EXPECT_THAT(with_rig.out, HasSubstr("3 frames: good\n"));
-  const MainOutcome without = RunCalibrate("check " + folder);
+  const MainOutcome without = RunCalibrate("check " + (folder_ / ".").string());
   EXPECT_EQ(without.exit_code, 2);
   EXPECT_THAT(without.err, HasSubstr("are not rectified: --rig is needed"));
 }
 
 // No verdict is not a good one.
 TEST_F(CalibrateCheck, SaysWhenASceneDoesNotTell) {
-  RigDescription description;
-  *description.mutable_calibration() = ToCalibration(SceneRig({640, 480}));
-  ASSERT_TRUE(SaveRigFile(folder_ / "rig.textproto", description));
   cv::Mat1b wall(480, 640);  // brighter to one side, and no corner
   for (int u = 0; u < wall.cols; ++u) wall.col(u).setTo(60 + u / 10);
-  WriteImages(folder_ / ".", "0", {.left = wall, .right = wall, .tof = {}});
-  const MainOutcome outcome = RunCalibrate("check " + (folder_ / ".").string() + " --rig " +
-                                           (folder_ / "rig.textproto").string());
-
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.out, HasSubstr("1 frames: cannot tell\n  * too little to see: 0 matches"));
-  EXPECT_THAT(outcome.out, Not(HasSubstr("to put it right")));
+  EXPECT_THAT(OutOfUndecided({.left = wall, .right = wall, .tof = {}}),
+              HasSubstr("1 frames: cannot tell\n  * too little to see: 0 matches"));
 }
 
 // A covered lens is no matter of calibration.
 TEST_F(CalibrateCheck, CannotTellFromABlankImage) {
-  const RawRig rig = SceneRig({640, 480});
-  RigDescription description;
-  *description.mutable_calibration() = ToCalibration(rig);
-  ASSERT_TRUE(SaveRigFile(folder_ / "rig.textproto", description));
   const Board board{BoardSize{}};
-  auto images = BoardScene(board, rig).Render(BoardPoses(board, 1)[0], 0);
+  auto images = BoardScene(board, rig_).Render(BoardPoses(board, 1)[0], 0);
   images.right.setTo(100);
-  WriteImages(folder_ / ".", "0", images);
-  const MainOutcome outcome = RunCalibrate("check " + (folder_ / ".").string() + " --rig " +
-                                           (folder_ / "rig.textproto").string());
-
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.out, HasSubstr("1 frames: cannot tell: the images are wrong\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("the right image is blank"));
-  EXPECT_THAT(outcome.out, Not(HasSubstr("to put it right")));
+  const std::string out = OutOfUndecided(images);
+  EXPECT_THAT(out, HasSubstr("1 frames: cannot tell: the images are wrong\n"));
+  EXPECT_THAT(out, HasSubstr("the right image is blank"));
 }
 
 // Nor are two exposures: refine would change nothing.
 TEST_F(CalibrateCheck, CannotTellFromTwoContrasts) {
-  const RawRig rig = SceneRig({640, 480});
-  RigDescription description;
-  *description.mutable_calibration() = ToCalibration(rig);
-  ASSERT_TRUE(SaveRigFile(folder_ / "rig.textproto", description));
-  RigImages images = RenderScene(rig, 3, 0, false);
+  RigImages images = RenderScene(rig_, 3, 0, false);
   images.right = 0.5 * images.right + 10;
-  WriteImages(folder_ / ".", "0", images);
-  const MainOutcome outcome = RunCalibrate("check " + (folder_ / ".").string() + " --rig " +
-                                           (folder_ / "rig.textproto").string());
-
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.out, HasSubstr("1 frames: cannot tell: the images are wrong\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("times the contrast in the right one"));
-  EXPECT_THAT(outcome.out, Not(HasSubstr("to put it right")));
+  const std::string out = OutOfUndecided(images);
+  EXPECT_THAT(out, HasSubstr("1 frames: cannot tell: the images are wrong\n"));
+  EXPECT_THAT(out, HasSubstr("times the contrast in the right one"));
 }
 
 TEST_F(CalibrateCheck, NoticesRowsThatDoNotAgree) {
