@@ -85,13 +85,6 @@ TEST(TofChoice, TakesAMultiZoneSensor) {
   }
 }
 
-TEST(TofChoice, RefusesFaultsThatItDoesNotKnow) {
-  for (const char* option : {"", "blind", "blind=", "blind=x", "blind=101", "blind=-1", "blind=nan",
-                             "wrapped=100", "calibration=-1", "deaf=1", "blind=5&"}) {
-    EXPECT_THROW(TofChoice("sr4000?" + std::string(option)), ConfigError) << option;
-  }
-}
-
 TEST(TofChoice, RefusesWhatItDoesNotKnow) {
   for (const char* text :
        {"", "grid", "grid:", "grid:0", "grid:-3", "grid:1001", "grid:5x", "grid:auto*",
