@@ -1,10 +1,10 @@
 #include "common/app/stage_monitor.h"
 
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <utility>
 
@@ -51,13 +51,11 @@ TimeSummary Summarise(std::vector<double> times_ms) {
 }
 
 std::string FutureText(int64_t seq, double age_ms) {
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "frame %lld was captured %.3f s in the future by this host's clock: synchronise "
-                "the clocks of both hosts (NTP, PTP), or, if this one's was set back, start "
-                "capture again; until then ages are wrong",
-                static_cast<long long>(seq), -age_ms / 1000);
-  return text;
+  return fmt::format(
+      "frame {} was captured {:.3f} s in the future by this host's clock: synchronise the clocks "
+      "of both hosts (NTP, PTP), or, if this one's was set back, start capture again; until then "
+      "ages are wrong",
+      seq, -age_ms / 1000);
 }
 
 }  // namespace
@@ -244,11 +242,10 @@ void StageMonitor::SetTofOffset(const TofOffsetStatus& offset) {
   if (!offset.is_off) return ResolveLocked(offset_warning_);
   const bool is_due = now_() >= next_offset_warning_;
   if (!is_due && !offset_warning_.text.empty()) return;
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "the ToF camera's points are off by (%.1f, %.1f) px in the left image: calibrate "
-                "again; refine { align_tof: true } corrects it until then",
-                -static_cast<double>(offset.u_px), -static_cast<double>(offset.v_px));
+  const std::string text = fmt::format(
+      "the ToF camera's points are off by ({:.1f}, {:.1f}) px in the left image: calibrate again; "
+      "refine {{ align_tof: true }} corrects it until then",
+      -offset.u_px, -offset.v_px);
   HoldLocked(offset_warning_.text, text, true);
   if (!is_due) return;
   next_offset_warning_ = now_() + kWarningPeriod;

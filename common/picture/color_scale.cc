@@ -1,10 +1,11 @@
 #include "common/picture/color_scale.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
@@ -15,17 +16,7 @@ namespace {
 
 const cv::Vec3b kInk{48, 48, 48};
 
-std::string Fixed(double value, int decimals) {
-  char text[512];  // DBL_MAX has 309 digits
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return text;
-}
-
-std::string Significant(double value, int digits) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*g", digits, value);
-  return text;
-}
+std::string Fixed(double value, int decimals) { return fmt::format("{:.{}f}", value, decimals); }
 
 // A number with the decimals that multiples of a power of ten need, without trailing zeros.
 std::string Shortest(double value, double power) {
@@ -118,7 +109,7 @@ ColorScale::Column ColorScale::PrimaryColumn(const ScaleAxis& axis) const {
   Column column{.unit = axis.unit, .marks = {}, .width = 0};
   const auto mark_end = [&](double value, double share, bool beyond, char sign) {
     const std::string label = axis.is_depth
-                                  ? Significant(value, 3)
+                                  ? fmt::format("{:.3g}", value)
                                   : Shortest(value, (axis.range.max - axis.range.min) / 100);
     column.marks.push_back({share, beyond ? sign + label : label});
   };
