@@ -26,7 +26,8 @@ Values ValuesOf(std::string_view text) {
       if (!sections.empty()) sections.pop_back();
     } else if (const size_t colon = line.find(": "); colon != std::string_view::npos) {
       const std::string section = sections.empty() ? "" : sections.back();
-      values[section + std::string(line.substr(0, colon))] = line.substr(colon + 2);
+      std::string& value = values[section + std::string(line.substr(0, colon))];
+      value += (value.empty() ? "" : " ") + std::string(line.substr(colon + 2));
     }
   }
   return values;

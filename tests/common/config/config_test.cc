@@ -200,6 +200,18 @@ TEST(ConfigDifferences, NameKeysAndValues) {
   EXPECT_EQ(differences[1], (ConfigDifference{"grow.sigma_p_px", "0.8", "2"}));
 }
 
+TEST(ConfigDifferences, CompareAllElementsOfAList) {
+  SproutConfig config;
+  const std::string before = ConfigText(config);
+  for (const int corner : {100, 0, 1500, 900}) config.mutable_depth()->add_region(corner);
+  const std::string wide = ConfigText(config);
+  config.mutable_depth()->set_region(0, 0);
+  EXPECT_THAT(ConfigDifferences(before, wide),
+              ElementsAre(ConfigDifference{"depth.region", "none", "100 0 1500 900"}));
+  EXPECT_THAT(ConfigDifferences(wide, ConfigText(config)),
+              ElementsAre(ConfigDifference{"depth.region", "100 0 1500 900", "0 0 1500 900"}));
+}
+
 TEST(ConfigDifferences, CompareWhatOtherVersionsPrinted) {
   EXPECT_THAT(ConfigDifferences("grow {\n  old: 1\n  mode: GONE\n}\n",
                                 "grow {\n  mode: NEW\n  part {\n    new: 2\n  }\n}\ntop: 3\n"),
