@@ -36,6 +36,12 @@ bool IsDisparityMap(const fs::path& path) {
   return path.filename().string().ends_with("disparity.pfm");
 }
 
+// What Sprout writes beside them: depths in m, standard deviations.
+bool IsNoDisparityMap(const fs::path& path) {
+  const std::string name = path.stem().string();
+  return path.extension() != ".pfm" || name.ends_with("depth") || name.ends_with("sigma");
+}
+
 std::set<fs::path> FilesIn(const fs::path& folder) {
   return {fs::directory_iterator(folder), fs::directory_iterator()};
 }
@@ -53,9 +59,7 @@ std::vector<fs::path> MapsBelow(const fs::path& folder) {
 
 std::vector<fs::path> MapsIn(const fs::path& folder) {
   std::vector<fs::path> all;
-  for (const fs::path& path : FilesIn(folder)) {
-    if (path.extension() == ".pfm") all.push_back(path);
-  }
+  std::ranges::remove_copy_if(FilesIn(folder), std::back_inserter(all), IsNoDisparityMap);
   if (all.empty()) return MapsBelow(folder);
   std::vector<fs::path> disparities;
   std::ranges::copy_if(all, std::back_inserter(disparities), IsDisparityMap);
@@ -216,7 +220,8 @@ void MeasureFolder(const fs::path& folder, const fs::path& calibration, Measurem
   const std::vector<fs::path> maps = MapsIn(folder);
   if (maps.empty()) {
     throw ConfigError(folder.string() +
-                      ": no *.pfm in it, nor a disparity.pfm in a folder of it; allowed: a log, a "
+                      ": no map of disparities (*.pfm) in it, nor a disparity.pfm in a folder of "
+                      "it; allowed: a log, a "
                       "folder of disparity maps (px), or one that sprout-pipeline files wrote");
   }
   for (const fs::path& path : maps) {

@@ -280,7 +280,11 @@ TEST_F(QualityProgram, MeasuresMapsOneLevelDownWithTheirOwnCalibration) {
 
 TEST_F(QualityProgram, RefusesFoldersThatCannotBeMeasured) {
   std::filesystem::create_directory(folder_ / "empty");
-  ExpectRefused({File("empty")}, 2, "no *.pfm in it");
+  ExpectRefused({File("empty")}, 2, "no map of disparities (*.pfm) in it");
+  for (const std::string name : {"depth", "depth_sigma"}) {
+    EXPECT_TRUE(WritePfm(File("empty") + "/" + name + ".pfm", cv::Mat1f(240, 320, 2.0F)));
+  }
+  ExpectRefused({File("empty")}, 2, "no map of disparities (*.pfm) in it");
   const std::string maps = WriteFolder("maps", Maps(1));
   std::ofstream(folder_ / "maps/1_disparity.pfm") << "Pf\n320 240\n-1\n too short";
   ExpectRefused({maps}, 2, "1_disparity.pfm: ends early");
