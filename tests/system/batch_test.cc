@@ -213,6 +213,10 @@ TEST_F(BatchSystem, ATruthSaysWhichOfTheTwoIsNearerToIt) {
     }
   }
   EXPECT_THAT(Report(), HasSubstr("against the truth"));
+  command_.back() = truth / "run";
+  EXPECT_THAT(OutputOf(command_, 1),
+              HasSubstr("of none of the frames; allowed: " +
+                        (truth / "run" / "run" / "000000_disparity.pfm").string()));
   command_.back() = folder_ / "none";
   EXPECT_EQ(RunProgramOf(command_).exit_code, 2);
 }

@@ -3,7 +3,9 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
@@ -78,6 +80,21 @@ void SayTaskOutput(const BatchFolder& folder, std::ostream& out) {
   if (!said.empty()) out << "Slurm's tasks ended with " << said << "\n";
 }
 
+// False, and a line, where a truth was given that is of no frame.
+bool CheckTruth(const Manifest& manifest, const FrameTable& frames) {
+  if (manifest.truth().empty() || frames.size() == 0) return true;
+  for (const std::string column : {"a_bad1", "b_bad1"}) {
+    if (!std::ranges::all_of(frames.Column(column), [](float x) { return std::isnan(x); })) {
+      return true;
+    }
+  }
+  std::cerr << fmt::format(
+      "sprout-batch: --truth {}: of none of the frames; allowed: {}/{}/{:06}_disparity.pfm and so "
+      "on\n",
+      manifest.truth(), manifest.truth(), manifest.log(frames.LogOf(0)).name(), frames.SeqOf(0));
+  return false;
+}
+
 // Writes table and report.
 int Finish(const BatchFolder& folder, const Manifest& manifest, const BatchState& state) {
   const FrameTable frames(folder, manifest, state);
@@ -93,7 +110,9 @@ int Finish(const BatchFolder& folder, const Manifest& manifest, const BatchState
     std::cerr << "sprout-batch: no frame was answered in these logs; see sprout-log info, "
                  "--channel-prefix and --stages\n";
   }
-  return state.missing == 0 && frames.size() > 0 && manifest.left_out().empty() ? 0 : 1;
+  const bool is_true = CheckTruth(manifest, frames);
+  const bool is_whole = state.missing == 0 && frames.size() > 0 && manifest.left_out().empty();
+  return is_whole && is_true ? 0 : 1;
 }
 
 int RunRun(Options& options) {
