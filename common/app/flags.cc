@@ -156,6 +156,20 @@ std::string UnexpectedText(const std::string& argument, const CLI::App& app) {
          " (--help lists the " + (is_flag ? "flags)" : "commands)");
 }
 
+// What CLI11 says of a flag that has no value, too many of them, or no number: without what is
+// allowed, and as if every value came from the command line.
+std::string ErrorText(const CLI::ParseError& error) {
+  const std::string what = error.what();
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ArgumentMismatch)) {
+    const bool is_twice = what.find("At Most") != std::string::npos;
+    return what.substr(0, what.find(':')) +
+           (is_twice ? " is given more than once" : " needs a value");
+  }
+  constexpr std::string_view kNoNumber = "Could not convert: ";
+  if (what.starts_with(kNoNumber)) return what.substr(kNoNumber.size()) + ": allowed is a number";
+  return what;
+}
+
 // The first argument that no flag or command takes; empty if all are taken.
 std::string FirstUnexpected(const CLI::App& app) {
   for (const std::string& argument : app.remaining()) return argument;
@@ -352,7 +366,7 @@ bool Flags::Parse(int argc, const char* const* argv) {
                         Joined(", ", app_->get_subcommands({}), &CLI::App::get_name) +
                         " (--help explains them)");
     }
-    throw ConfigError(std::string(e.what()) + " (--help lists the flags)");
+    throw ConfigError(ErrorText(e) + " (--help lists the flags)");
   }
   RequireNoEmptyText(*app_);
   return true;

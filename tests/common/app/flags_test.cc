@@ -91,7 +91,9 @@ TEST(Flags, RefuseWhatIsNotAllowedAndSayWhatIs) {
   Flags flags("probe", "Probes flags");
   double share = 0;
   int count = 0;
+  int64_t any = 0;
   std::string way;
+  flags.Add("--any", any, "");
   flags.Add("--share", share, "").Within(0, 1);
   flags.Add("--count", count, "").WithinWhole(1, 9);
   flags.Add("--way", way, "").OneOf({"up", "down"});
@@ -102,6 +104,11 @@ TEST(Flags, RefuseWhatIsNotAllowedAndSayWhatIs) {
   }
   EXPECT_THAT(ErrorOf(flags, {"--count", "10"}), ContainsRegex("10 not in range \\[?1 (to|-) 9"));
   EXPECT_THAT(ErrorOf(flags, {"--way", "left"}), HasSubstr("left not in {up,down}"));
+  EXPECT_EQ(ErrorOf(flags, {"--any", "5x"}),
+            "--any = 5x: allowed is a number (--help lists the flags)");
+  EXPECT_EQ(ErrorOf(flags, {"--way"}), "--way needs a value (--help lists the flags)");
+  EXPECT_EQ(ErrorOf(flags, {"--way", "up", "--way", "down"}),
+            "--way is given more than once (--help lists the flags)");
   EXPECT_THAT(ErrorOf(flags, {"--bogus"}),
               HasSubstr("--bogus is no flag of probe (--help lists the flags)"));
   EXPECT_EQ(ErrorOf(flags, {"--share", "1", "--count", "9", "--way", "up"}), "no error");
