@@ -11,6 +11,7 @@
 #include "common/bus/receiver.h"
 #include "common/core/digest.h"
 #include "common/core/sleep.h"
+#include "common/ros/ros_node.h"
 #include "services/ros2/bridge.h"
 
 namespace sprout::ros2 {
@@ -80,11 +81,12 @@ int Main(int argc, char** argv) {
   std::optional<int> domain;
   bool best_effort = false;
   bool compressed = false;
-  service.flags().Add("--domain N", domain, "As ROS_DOMAIN_ID").Environment("ROS_DOMAIN_ID");
+  service.flags().Add("--domain N", domain, "In place of the environment's ROS_DOMAIN_ID");
   service.flags().Add("--compressed", compressed,
                       "Also JPEG of the images and compressedDepth of the depth");
   service.flags().Add("--best-effort", best_effort, "Do not send again what was lost");
   return service.Run(argc, argv, Run, [&](SproutConfig& config) {
+    if (!domain) domain = RosDomainOfEnvironment();
     if (domain) config.mutable_ros2()->set_domain(*domain);
     if (compressed) config.mutable_ros2()->set_compressed(true);
     if (best_effort) config.mutable_ros2()->set_reliable(false);

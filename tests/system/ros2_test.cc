@@ -133,6 +133,15 @@ TEST(Ros2System, RefusesAFrameThatStandsInItself) {
   EXPECT_THAT(bridge.Output(), testing::HasSubstr("allowed are names that differ"));
 }
 
+TEST(Ros2System, RefusesADomainOfTheEnvironmentByItsName) {
+  setenv("ROS_DOMAIN_ID", "robot", /*overwrite=*/1);
+  Process bridge({ProgramPath("sprout-ros2")});
+  unsetenv("ROS_DOMAIN_ID");
+  EXPECT_EQ(bridge.Wait(20s), 2);
+  EXPECT_THAT(bridge.Output(),
+              testing::HasSubstr("sprout-ros2: ROS_DOMAIN_ID = 'robot': allowed is 0 to 232"));
+}
+
 TEST(Ros2System, CountsFramesThatNeverCame) {
   const OtherHost host;
   REQUIRE_HOST(host);
