@@ -224,8 +224,16 @@ TEST_F(RecordSystem, SaysSoWhenNoFrameCame) {
   EXPECT_THAT(record.Output(), HasSubstr("no frame was recorded; is capture running"));
 }
 
+TEST(RecordScript, RefusesAFlagWithoutItsValue) {
+  for (const std::string flag : {"--dir", "--channel-prefix", "--seconds"}) {
+    Process record({kRecord, "run", flag});
+    EXPECT_EQ(record.Wait(), 2) << flag;
+    EXPECT_THAT(record.Output(), testing::StartsWith("record: " + flag + " needs a "));
+  }
+}
+
 TEST_F(RecordSystem, SaysSoWhenThereIsNothingToRecord) {
-  Process record({kRecord, "--dir", folder_ / "logs", "--seconds", "1", "run"});
+  Process record({kRecord, "--dir=" + std::string(folder_ / "logs"), "--seconds", "1", "run"});
   EXPECT_EQ(record.Wait(), 1);
   EXPECT_THAT(record.Output(), HasSubstr("nothing came; is the graph running"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "logs/run.lcm"));
