@@ -13,7 +13,7 @@ class Failure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The main function of a run of random events: `NAME NUMBER [SEED]`.
+/// The main function of a run of random events: `NAME NUMBER [SEED]`, with a NUMBER of 1 or more.
 /// @tparam Number   what Run() takes.
 /// @param usage     "attack SECONDS".
 /// @param success   what is printed when all went well.
@@ -23,7 +23,8 @@ class Failure : public std::runtime_error {
 template <typename Number, typename Make>
 int RunSeeded(int argc, char** argv, const std::string& usage, const char* success,
               const Make& make) {
-  if (argc < 2 || argc > 3) {
+  const long number = argc < 2 ? 0 : std::atol(argv[1]);
+  if (number < 1 || argc > 3) {
     const std::string name = usage.substr(0, usage.find(' '));
     std::cerr << "usage: " << usage << " [SEED]; scripts/" << name
               << " gives it a network of its own\n";
@@ -33,7 +34,7 @@ int RunSeeded(int argc, char** argv, const std::string& usage, const char* succe
   auto run = make(seed);
   std::string failure;
   try {
-    run.Run(Number(std::atol(argv[1])));
+    run.Run(Number(number));
   } catch (const Failure& e) {
     failure = e.what();
   }
