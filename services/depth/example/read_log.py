@@ -24,7 +24,10 @@ def events(path):
             sync, _, _, channel_length, data_length = EVENT.unpack(head)
             if sync != SYNC:
                 sys.exit(f"{path}: no event at byte {log.tell() - EVENT.size}")
-            yield log.read(channel_length).decode(), log.read(data_length)
+            channel, data = log.read(channel_length), log.read(data_length)
+            if len(data) < data_length:
+                sys.exit(f"{path}: ends inside an event")
+            yield channel.decode(), data
 
 
 if len(sys.argv) != 2:
@@ -32,7 +35,10 @@ if len(sys.argv) != 2:
 for channel, data in events(sys.argv[1]):
     if not channel.endswith("SPROUT_DEPTH"):
         continue
-    image = depth_image_t.decode(data)
+    try:
+        image = depth_image_t.decode(data)
+    except ValueError:
+        sys.exit(f"{channel}: no depth_image_t; a compressed log has to be expanded (sprout-log expand)")
     pixel = image.height // 2 * image.width + image.width // 2
     (count,) = struct.unpack_from("<H", image.depth, 2 * pixel)
     print(f"frame {image.header.seq}:", f"{count * image.metres_per_count:.6g} m" if count else "no depth")
