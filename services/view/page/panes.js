@@ -187,15 +187,14 @@ export class Panes {
     const byName = new Map(head.parts.map((part) => [part.name, part]));
     await Promise.all([...this.panes.values()].map((pane) => this.drawPane(pane, head, byName, colors)));
     const seeds = byName.get('seeds');
-    if (seeds && this.seeds) {
-      drawSeeds(this.panes.get('left').seeds, seeds, this.size, head.scales.disparity, colors);
-      const {note} = this.panes.get('left');
+    const {note, seeds: canvas} = this.panes.get('left');
+    if (seeds && this.seeds && head.width > 0) {
+      drawSeeds(canvas, seeds, this.size, head.scales.disparity, colors);
       note.textContent = `${seeds.tof + seeds.stereo} seeds`;
       note.title = `${seeds.tof} seeds of the ToF camera, ${seeds.stereo} of stereo; ` +
           `${seeds.left_only} points that the left camera sees alone`;
     } else {
-      this.panes.get('left').note.textContent = '';
-      const canvas = this.panes.get('left').seeds;
+      note.textContent = '';
       canvas.getContext('2d').clearRect(0, 0, canvas.width, canvas.height);
     }
   }

@@ -154,7 +154,8 @@ def check_pixel(browser, key):
     check("with the disparity that is saved", header == b"Pf" and expected == probe["disparity_px"], expected)
 
 
-def check_saving(programs, folder):
+def check_saving(browser, programs, folder):
+    check("seconds are asked for", browser.run("return document.getElementById('seconds').required"))
     log = folder / "saved.lcm"
     log.write_bytes(get("save-log?seconds=3"))
     said = subprocess.run([programs.folder / "sprout-log", "info", "--json", log], capture_output=True, text=True)
@@ -343,6 +344,20 @@ def check_log_at_frame(browser, programs, log, seq):
         "document.getElementById('banner').textContent.includes('no frame 987654')"))
 
 
+def check_answers_alone(browser, programs, log, folder):
+    """The log of a replay has neither images nor calibration."""
+    seeds = folder / "seeds.lcm"
+    subprocess.run([programs.folder / "sprout-refine", "--replay", log, "--record", seeds], check=True)
+    programs.stop("view")
+    programs.start("view", "--log", seeds)
+    wait_for_server()
+    browser.open(URL)
+    browser.wait("window.sprout && sprout.key == 0 && sprout.frames > 0")
+    browser.press("ArrowRight")
+    check("a log without images can be stepped through", browser.wait("sprout.key == 1"))
+    browser.complaints()  # there are no thumbnails
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--bin", type=pathlib.Path, required=True, help="folder of the programs")
@@ -363,7 +378,7 @@ def main():
                 check_pixel(browser, check_looking(browser))
                 check_sigma(browser)
                 check_phone(browser)
-                check_saving(programs, folder)
+                check_saving(browser, programs, folder)
                 check_numbers(browser, programs)
                 check_coming_back(browser, programs)
                 check_page(browser)
@@ -372,6 +387,7 @@ def main():
                 check_measuring(browser, programs, options.log.resolve())
                 check_log_at_frame(browser, programs, options.log.resolve(), seq=3)
                 check_page(browser)
+                check_answers_alone(browser, programs, options.log.resolve(), folder)
         finally:
             programs.stop_all()
         if failures:
