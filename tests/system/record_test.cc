@@ -232,6 +232,15 @@ TEST(RecordScript, RefusesAFlagWithoutItsValue) {
   }
 }
 
+TEST(Scripts, TakePathsFromWhereTheyAreCalled) {
+  const auto exit_code = [](const std::string& command) {
+    Process script({"sh", "-c", "cd " SPROUT_SOURCE_DIR "/logs && exec ../scripts/" + command});
+    return script.Wait(std::chrono::seconds(60)).value_or(-1);
+  };
+  EXPECT_EQ(exit_code("run_graph --source log:sample.lcm --config sample.textproto"), 0);
+  EXPECT_EQ(exit_code("record --config sample.textproto --channels A --seconds 1"), 1);  // no A
+}
+
 TEST_F(RecordSystem, SaysSoWhenThereIsNothingToRecord) {
   Process record({kRecord, "--dir=" + std::string(folder_ / "logs"), "--seconds", "1", "run"});
   EXPECT_EQ(record.Wait(), 1);
