@@ -118,6 +118,7 @@ Result<void> WriteMotions(const fs::path& path, const std::string& rows) {
 struct Writing {
   fs::path left;
   fs::path folder;
+  bool is_folder_new = false;
   std::string line;       // to print when it is written
   std::string complaint;  // what is wrong with the pair; empty: nothing that can be told
   std::string motion;     // a row, of a pipeline with memory
@@ -228,6 +229,8 @@ class FilesRun {
     Writing& writing = writing_.emplace();
     writing.left = pair.left;
     writing.folder = folder;
+    std::error_code ignored;
+    writing.is_folder_new = !fs::exists(folder, ignored);
     writing.line = LineOf(folder, depth, computed.ms);
     writing.complaint = ComplaintOf(depth, std::move(computed.complaint));
     if (depth.motion) writing.motion = MotionRow(pair.left, *depth.motion);
@@ -255,7 +258,8 @@ class FilesRun {
       }
     } else {
       LeaveOut(writing_->left, written.error());
-      rmdir(writing_->folder.c_str());  // unless there is something in it
+      // Unless there is something in it.
+      if (writing_->is_folder_new) rmdir(writing_->folder.c_str());
     }
     writing_.reset();
   }

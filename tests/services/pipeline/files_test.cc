@@ -1,8 +1,10 @@
 #include "services/pipeline/files/files.h"
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -271,6 +273,20 @@ TEST_F(Files, ThatCannotBeWrittenLeaveTheOthersAndAreReportedInOrder) {
   EXPECT_LT(outcome.out.find("out/a: "), outcome.out.find("out/c: "));
   EXPECT_TRUE(fs::exists(folder_ / "out" / "c" / "mesh.ply"));
   EXPECT_TRUE(fs::is_regular_file(folder_ / "out" / "b")) << "what was there before stays";
+}
+
+TEST_F(Files, ThatCannotBeWrittenLeaveAFolderThatWasThere) {
+  std::filesystem::create_directory(options_.out);
+  rlimit usual{};
+  getrlimit(RLIMIT_FSIZE, &usual);
+  const rlimit nothing{.rlim_cur = 0, .rlim_max = usual.rlim_max};
+  const auto of_limit = std::signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &nothing);
+  const int exit_code = RunFiles(options_, LoadConfig({"default"}), {});
+  setrlimit(RLIMIT_FSIZE, &usual);
+  std::signal(SIGXFSZ, of_limit);
+  EXPECT_EQ(exit_code, 1);
+  EXPECT_TRUE(std::filesystem::is_empty(options_.out));
 }
 
 TEST_F(Files, StopBetweenTwoPairs) {
