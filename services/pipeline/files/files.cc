@@ -15,6 +15,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/app/output_paths.h"
 #include "common/app/progress.h"
 #include "common/core/image.h"
 #include "common/core/input_files.h"
@@ -303,9 +304,9 @@ void RequireAllApplied(const DepthConfig& config) {
 
 // @returns whether it was not there before.
 bool CreateFolder(const std::string& out) {
-  std::error_code error;
-  const bool is_new = fs::create_directories(out, error);
-  if (error) throw ConfigError("--out " + out + ": cannot be written (" + error.message() + ")");
+  std::error_code ignored;
+  const bool is_new = !fs::exists(out, ignored);
+  RequireWritableFolder("--out", out, {"camera.json"});
   return is_new;
 }
 

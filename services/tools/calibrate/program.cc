@@ -134,7 +134,9 @@ Board BoardOf(const BoardOptions& options) {
 
 int RunBoard(const Options& options) {
   const Board board = BoardOf(options.board);
-  WriteWhole(options.out, BoardPage(board, options.out));
+  const std::string page = BoardPage(board, options.out);
+  RequireWritableFile("--out", options.out);
+  WriteWhole(options.out, page);
   const Eigen::Vector2d extent_mm = 1000 * board.extent_m();
   const Eigen::Vector2d page_mm = BoardPageSizeMm(board);
   std::cout << fmt::format(

@@ -61,6 +61,7 @@ TEST_F(Files, ThatCannotBeUsedAreRefusedBeforeAnythingIsComputed) {
       {[&](auto& o) { o.rig = {.calib_file = calib_of("P0: 90 0\nP1: 1")}; },
        "P0: 90 0: allowed: "},
       {[&](auto& o) { o.out = blocked; }, "--out " + blocked + ": cannot be written ("},
+      {[&](auto& o) { o.out = "/proc"; }, "--out /proc/camera.json: cannot be written ("},
   };
   for (const auto& [change, text] : table) {
     FilesOptions options = options_;

@@ -231,7 +231,7 @@ TEST_F(CalibrateProgram, RefusesFlagsThatMakeNoSense) {
   ExpectRefused({"board", "--squares", "99x99", "--out", File("board.svg")}, 2,
                 "up to 500 squares");
   ExpectRefused({"board", "--square-mm", "nan", "--out", File("board.svg")}, 2, "--square-mm");
-  ExpectRefused({"board", "--out", File("no/folder/board.svg")}, 1, "no/folder/board.svg");
+  ExpectRefused({"board", "--out", File("no/folder/board.svg")}, 2, "no/folder/board.svg");
   ExpectRefused({"estimate", File("none.lcm"), "--out", File("out.textproto")}, 2, "none.lcm");
   WriteBytes(folder_ / "empty.lcm", Bytes());
   for (const char* command : {"estimate", "check", "refine"}) {
