@@ -19,6 +19,8 @@ namespace {
 
 // A longer baseline in m is one in mm: pairs of cameras are nearer, and those that are not say so.
 constexpr double kLongestUnsaidM = 5;
+// A shorter one is none in mm or cm.
+constexpr double kShortestM = 0.001;
 
 cv::Size SizeOf(const std::string& text) {
   const auto size = ParseSize(text);
@@ -66,10 +68,10 @@ Lens LensOf(const ForeignCamera& camera) {
 void ScaleToMetres(const ImportOptions& options, Pose& pose) {
   pose.translation_m *= MetresPerUnit(options.unit);
   const double baseline_m = pose.translation_m.norm();
-  if (options.unit.empty() && baseline_m > kLongestUnsaidM) {
+  if ((options.unit.empty() && baseline_m > kLongestUnsaidM) || baseline_m < kShortestM) {
     throw ConfigError(fmt::format(
-        "the cameras are {:g} m apart, if the file is in m; allowed: --unit mm, cm or m",
-        baseline_m));
+        "the cameras are {:g} m apart, if the file is in {}; allowed: --unit mm, cm or m",
+        baseline_m, options.unit.empty() ? "m" : options.unit));
   }
 }
 

@@ -67,6 +67,14 @@ TEST_F(ImportProgram, LengthsInMillimetresAreNotTakenForMetres) {
   EXPECT_NEAR(raw.left_from_right.translation_m.x(), 0.12, 1e-9);
 }
 
+TEST_F(ImportProgram, LengthsInMetresAreNotTakenForMillimetres) {
+  ImportOptions options = Options(Camchain(1));
+  options.unit = "mm";
+  testing::internal::CaptureStdout();
+  EXPECT_THAT(Refusal(options), HasSubstr("the cameras are 0.00012 m apart, if the file is in mm"));
+  testing::internal::GetCapturedStdout();
+}
+
 TEST_F(ImportProgram, RefusesSizesThatCannotBe) {
   ImportOptions options = Options(Camchain(1));
   options.size = "640";
