@@ -111,10 +111,12 @@ Flags& AddFilesCommand(Flags& flags, FilesOptions& options) {
   files.SetFooter(kFilesFooter);
   files.Add("LEFT", options.left, "Left image, folder, 'pattern' or video").Required();
   files.Add("RIGHT", options.right, "Right image, folder, 'pattern' or video").Required();
-  files.Add("--tof TOF", options.tof, "ToF image, folder or 'pattern'");
-  files.Add("--tof-unit UNIT", options.pixels.tof_unit,
-            "Unit of the ToF image: mm, cm, m, or metres a count, such as 1/256 or 1/5000 "
-            "(default: integers mm, floating point m)");
+  const Flag tof = files.Add("--tof TOF", options.tof, "ToF image, folder or 'pattern'");
+  files
+      .Add("--tof-unit UNIT", options.pixels.tof_unit,
+           "Unit of the ToF image: mm, cm, m, or metres a count, such as 1/256 or 1/5000 "
+           "(default: integers mm, floating point m)")
+      .Needs(tof);
   files
       .Add("--bits N", options.pixels.bits,
            "Bits that pixels of 16 bits use: 8 to 16; 0: as the format or the first pair says")
@@ -141,6 +143,7 @@ Flags& AddFilesCommand(Flags& flags, FilesOptions& options) {
       .Add("--tof-rig FILE", options.rig.tof_rig_file,
            "Rig file with the lens and pose of the ToF camera of a rectified pair; without it the "
            "ToF image shows what the left one shows")
+      .Needs(tof)
       .Excludes(rig);
   const auto add = [&](const char* name, std::optional<double>& value, const char* text, double low,
                        double high) {

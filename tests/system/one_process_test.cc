@@ -193,6 +193,8 @@ TEST(OneProcessSystem, RefusesFlagsOfFilesThatCannotBeUsedInOneLine) {
       {{"--rig", "rig.textproto", "--lcm-url", "udpm://239.255.76.67:7667?ttl=0"}, "--lcm-url"},
       {{"--rig", "rig.textproto", "--config", "nothing"}, "nothing"},
       {{"c.png", "--rig", "rig.textproto"}, "c.png"},
+      {{"--rig", "rig.textproto", "--tof-unit", "cm"}, "--tof-unit requires --tof "},
+      {{"--focal-px", "100", "--baseline-m", "1", "--tof-rig", "tof"}, "--tof-rig requires --tof "},
   };
   for (const auto& [flags, text] : table) {
     std::vector<std::string> command = {ProgramPath("sprout-pipeline"), "--log-level", "error"};
