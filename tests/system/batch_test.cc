@@ -317,6 +317,11 @@ TEST_F(BatchSystem, LogsWhoseNamesCannotBeUsedAreNamedAndTheOthersComputed) {
   EXPECT_THAT(prefix.output, HasSubstr("--channel-prefix 'x'y': allowed are up to"));
 }
 
+TEST_F(BatchSystem, FlagsOfSlurmAskForIt) {
+  command_.insert(command_.end(), {"--partition", "short"});
+  EXPECT_THAT(OutputOf(command_, 2), HasSubstr("--partition requires --engine"));
+}
+
 // Run inside slurm_cluster, which kills nothing by itself.
 TEST(BatchSlurm, ThirtyLogsGiveTheBytesOfTheLocalEngineThoughANodeAndATaskAreKilled) {
   const char* state = std::getenv("SLURM_STATE");

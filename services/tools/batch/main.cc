@@ -251,7 +251,8 @@ void AddRun(Flags& program, Options& options) {
   flags.Add("--no-measures", request.no_measures,
             "Do not measure the frames: no score and no other figures of quality in the table");
   flags.Add("--channel-prefix", request.prefix, "Prefix of every channel of the logs");
-  flags.Add("--engine", options.engine, "Where to compute").OneOf({"local", "slurm"}).ShowDefault();
+  Flag engine = flags.Add("--engine", options.engine, "Where to compute");
+  engine.OneOf({"local", "slurm"}).ShowDefault();
   flags.Add("--jobs", options.local.jobs, "local: logs at a time, 0 = one a core")
       .WithinWhole(0, 4096)
       .ShowDefault();
@@ -259,6 +260,9 @@ void AddRun(Flags& program, Options& options) {
       .WithinWhole(0, 100)
       .ShowDefault();
   AddSlurm(flags, options.slurm);
+  for (const char* name : {"--partition", "--memory", "--time", "--array-size"}) {
+    flags.Get(name).Needs(engine);
+  }
 }
 
 void AddOthers(Flags& program, Options& options) {
