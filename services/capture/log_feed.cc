@@ -68,8 +68,12 @@ class LogFeed : public CaptureFeed {
       if (refused.empty()) refused = decoded.error().text;
     }
     const std::string channel = prefix_ + std::string(ChannelOf(Part::kRig));
-    throw Unusable(refused.empty() ? "no " + channel + " in it"
-                                   : "no usable " + channel + " in it (" + refused + ")",
+    const std::string raw = prefix_ + std::string(kRawPrefix) + std::string(ChannelOf(Part::kLeft));
+    const bool is_raw = channels.Has(raw);
+    throw Unusable(refused.empty()
+                       ? "no " + channel + " in it" +
+                             (is_raw ? ", its images are raw, ?rig=FILE rectifies them" : "")
+                       : "no usable " + channel + " in it (" + refused + ")",
                    channels);
   }
 

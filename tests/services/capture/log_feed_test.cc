@@ -190,6 +190,9 @@ TEST_F(LogFeedTest, NamesWhatIsMissingAndWhatIsThere) {
                         "SPROUT_LEFT (2), SPROUT_RIG (1)"));
   EXPECT_THAT(ErrorOf(Concat({{RigEvent(0)}, FrameEvents(0)}), "A_"), HasSubstr("no A_SPROUT_RIG"));
   EXPECT_THAT(ErrorOf({}), HasSubstr("no events"));
+  EXPECT_THAT(
+      ErrorOf(FrameEvents(0, "RAW_")),
+      HasSubstr("no SPROUT_RIG in it, its images are raw, ?rig=FILE rectifies them; it has RAW_"));
 }
 
 TEST_F(LogFeedTest, SaysWhyACalibrationIsUnusable) {
