@@ -20,7 +20,7 @@ namespace sprout::grow {
 /// plain_growth.h, which gives the same.
 ///
 /// Pixels to which the prior leaves two disparities are matched in sweeps over the rows (README,
-/// plain_sweep.h), then the others best first, from the seeds and from what has been swept (paper,
+/// SweepPlainly()), then the others best first, from the seeds and from what has been swept (paper,
 /// Alg. 1). Where all are open, as with preset paper, nothing is swept.
 ///
 /// Where the paper leaves a choice: seeds leave the queue by level (GrowthRule::LevelOf()), within

@@ -11,7 +11,6 @@
 #include "common/core/window_sums.h"
 #include "services/refine/range/range_rules.h"
 #include "services/refine/stereo/stereo_rules.h"
-#include "services/refine/surface/image_noise.h"
 #include "services/refine/surface/surface_rules.h"
 #include "services/refine/zones/zone_evidence.h"
 

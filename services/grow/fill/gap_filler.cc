@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "common/core/parallel.h"
-#include "services/grow/fill/gap_medians.h"
 
 namespace sprout::grow {
 namespace {

@@ -1,8 +1,8 @@
 // Compiled by Highway once for each instruction set; one of them is picked when the program runs.
-#include "services/grow/fill/gap_medians.h"
-
 #include <algorithm>
 #include <utility>
+
+#include "services/grow/fill/gap_filler.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "services/grow/fill/gap_medians.cc"

@@ -6,7 +6,6 @@
 
 #include "common/core/parallel.h"
 #include "services/grow/paper/plain_costs.h"
-#include "services/grow/sweep/plain_sweep.h"
 
 namespace sprout::grow {
 namespace {

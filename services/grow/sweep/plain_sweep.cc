@@ -1,5 +1,3 @@
-#include "services/grow/sweep/plain_sweep.h"
-
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -7,6 +5,7 @@
 #include <vector>
 
 #include "services/grow/paper/plain_costs.h"
+#include "services/grow/paper/plain_growth.h"
 
 namespace sprout::grow {
 namespace {

@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "common/core/parallel.h"
-#include "services/prior/edges/label_kernel.h"
 
 namespace sprout::prior {
 namespace {

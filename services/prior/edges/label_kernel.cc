@@ -1,8 +1,8 @@
 // Compiled by Highway once for each instruction set; one of them is picked when the program runs.
-#include "services/prior/edges/label_kernel.h"
-
 #include <algorithm>
 #include <cstdint>
+
+#include "services/prior/edges/edge_surfaces.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "services/prior/edges/label_kernel.cc"

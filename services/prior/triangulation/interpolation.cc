@@ -3,7 +3,6 @@
 #include <cstdint>
 
 #include "common/core/parallel.h"
-#include "services/prior/triangulation/paint_kernel.h"
 
 namespace sprout::prior {
 namespace {

@@ -1,9 +1,9 @@
 // Compiled by Highway once for each instruction set; one of them is picked when the program runs.
-#include "services/prior/triangulation/paint_kernel.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+
+#include "services/prior/triangulation/interpolation.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "services/prior/triangulation/paint_kernel.cc"

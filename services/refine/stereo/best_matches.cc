@@ -1,11 +1,11 @@
 // Compiled by Highway once for each instruction set; one of them is picked when the program runs.
-#include "services/refine/stereo/best_matches.h"
-
 #include <algorithm>
 #include <climits>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+
+#include "services/refine/stereo/stereo_search.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "services/refine/stereo/best_matches.cc"

@@ -1,10 +1,9 @@
 // Compiled by Highway once for each instruction set; one of them is picked when the program runs.
-#include "services/refine/stereo/match_costs.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "common/core/parallel.h"
+#include "services/refine/stereo/stereo_search.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "services/refine/stereo/match_costs.cc"

@@ -1,9 +1,9 @@
 // Compiled by Highway once for each instruction set; one of them is picked when the program runs.
-#include "services/refine/stereo/path_sums.h"
-
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+
+#include "services/refine/stereo/stereo_search.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "services/refine/stereo/path_sums.cc"

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "common/core/seed.h"
-#include "services/refine/stereo/match_costs.h"
 #include "services/refine/stereo/stereo_search.h"
 
 namespace sprout::refine {

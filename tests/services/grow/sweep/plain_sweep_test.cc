@@ -1,10 +1,9 @@
 // The rule of the sweeps by hand. The fast one must equal this file's subject: fast_growth_test.cc.
-#include "services/grow/sweep/plain_sweep.h"
-
 #include <gtest/gtest.h>
 
 #include <vector>
 
+#include "services/grow/paper/plain_growth.h"
 #include "tests/common/core/even_prior.h"
 #include "tests/services/grow/grow_scenes.h"
 

@@ -1,5 +1,3 @@
-#include "services/refine/stereo/match_costs.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "services/refine/stereo/stereo_search.h"
 #include "tests/common/testing/instruction_sets.h"
 
 namespace sprout::refine {

@@ -1,11 +1,11 @@
-#include "services/refine/surface/image_noise.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <random>
 #include <vector>
+
+#include "services/refine/surface/range_noise.h"
 
 namespace sprout::refine {
 namespace {
