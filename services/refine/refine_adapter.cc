@@ -205,13 +205,15 @@ RefineAdapter::Refined RefineAdapter::RefineWhole(const Frame& frame) {
 // Refines a frame as if no disparity could be negative.
 RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
   Result<SeedSet> seeds = Refine(frame);
-  SeedSet left_seeds = seeds ? refiner_.left_seeds() : SeedSet{};
   Refined refined{.answer = {}, .fits = seeds.has_value()};
   StageResult& outcome = refined.answer;
-  if (!refined.fits) {
+  if (!seeds) {
     outcome.degenerate = seeds.error().text;
-    seeds = SeedSet{};
-  } else if (seeds->seeds.empty()) {
+    outcome.outputs = {{Part::kSeeds, SeedSet()}, {Part::kLeftSeeds, SeedSet()}};
+    return refined;
+  }
+  const RangeError& error = refiner_.range_error();
+  if (seeds->seeds.empty()) {
     outcome.degenerate =
         seeds->raw == 0 ? "no ToF point has a return"
                         : "none of " + std::to_string(seeds->raw) + " ToF points became a seed";
@@ -222,11 +224,10 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
           "; seeds of stereo take refine { stereo_seeds: true }, as in preset default";
     }
   }
-  const SensorPlace& place = refiner_.sensor_place();
-  if (refined.fits && place.is_displaced) {
-    AddLine(outcome, PlaceText(place));
-  } else if (refined.fits && refiner_.range_error().rejected) {
-    const auto percent = std::lround(100 * refiner_.range_error().contradicted_share);
+  if (refiner_.sensor_place().is_displaced) {
+    AddLine(outcome, PlaceText(refiner_.sensor_place()));
+  } else if (error.rejected) {
+    const auto percent = std::lround(100 * error.contradicted_share);
     AddLine(outcome, "the images contradict the range points in " + std::to_string(percent) +
                          " % of the places where they could show it: none is believed");
   } else if (refined.fits && refiner_.range_error().pair_unfit) {
@@ -237,30 +238,26 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
                          "range sensor: are the pair's calibration, focus, exposure and moment "
                          "right?");
   }
-  if (refined.fits && refiner_.range_error().absurd) {
-    const RangeKnot& absurd = *refiner_.range_error().absurd;
+  if (error.absurd) {
     AddLine(outcome,
             fmt::format("ranges are off by {:+.2f} m at {:.2f} m, more than a sensor can be: "
                         "none is believed; are their unit, the focal length and the "
                         "baseline right?",
-                        absurd.error_m, absurd.depth_m));
+                        error.absurd->error_m, error.absurd->depth_m));
   }
-  if (refined.fits && refiner_.are_noise()) {
+  if (refiner_.are_noise()) {
     AddLine(outcome, std::to_string(seeds->loose) + " of " + std::to_string(seeds->raw) +
                          " range points differ from all around them, as noise does: none is "
                          "believed");
   }
-  outcome.ranges_refused =
-      refined.fits && (refiner_.range_error().Refuses() || refiner_.are_noise());
-  if (refined.fits) outcome.range_error = RangeErrorText(refiner_.range_error());
-  if (refined.fits && !refiner_.contradiction().points.empty()) {
+  outcome.ranges_refused = error.Refuses() || refiner_.are_noise();
+  outcome.range_error = RangeErrorText(error);
+  if (!refiner_.contradiction().points.empty()) {
     PutFirst(outcome, ContradictionText(refiner_.contradiction()));
   }
-  if (refined.fits && refiner_.scan_move().is_off) {
-    PutFirst(outcome, ScanMoveText(refiner_.scan_move()));
-  }
-  outcome.outputs.push_back({Part::kSeeds, std::move(*seeds)});
-  outcome.outputs.push_back({Part::kLeftSeeds, std::move(left_seeds)});
+  if (refiner_.scan_move().is_off) PutFirst(outcome, ScanMoveText(refiner_.scan_move()));
+  outcome.outputs.push_back({Part::kSeeds, *std::move(seeds)});
+  outcome.outputs.push_back({Part::kLeftSeeds, refiner_.left_seeds()});
   return refined;
 }
 

@@ -53,7 +53,7 @@ int UnsurePoints::Drop(const CellGrid& grid, const RangeNoise& noise, std::span<
                        [&](const Seed& point) { return !Is(point, noise); });
   if (others_.size() == points.size()) return 0;
   others_.insert(others_.end(), stereo.begin(), stereo.end());
-  surface_.Set(others_, grid.size, grid.spacing_px);
+  surface_.Set(others_, grid);
   return static_cast<int>(std::erase_if(points, [&](const Seed& point) {
     const cv::Point cell(grid.At(point.u), grid.At(point.v));
     return Is(point, noise) && cv::Rect({}, grid.size).contains(cell) &&
@@ -222,7 +222,7 @@ bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const T
 // What zones say of a place is no correspondence to grow from.
 void Refiner::FillFromZones(const SeedSet& result, const CellGrid& grid, cv::Size image) {
   Join(result.seeds, left_seeds_.seeds, all_seeds_);
-  all_points_.Set(all_seeds_, grid.size, grid.spacing_px);
+  all_points_.Set(all_seeds_, grid);
   cv::Mat1b known(grid.size, uint8_t{0});
   for (const Seed& seed : all_seeds_) {
     const cv::Point cell(grid.At(seed.u), grid.At(seed.v));

@@ -50,24 +50,17 @@ class PlaneAtOrigin {
 
 }  // namespace
 
-cv::Point2d PointSurface::CentrePx(cv::Point cell) const {
-  return {(cell.x + 0.5) * spacing_px_ - 0.5, (cell.y + 0.5) * spacing_px_ - 0.5};
-}
-
 // The sum of columns and rows: the nearest of a quadrant is then that of a cell beside or below.
 double PointSurface::Distance(int index, cv::Point cell) const {
   if (index == kNone) return kInfinite;
-  const cv::Point2d centre = CentrePx(cell);
+  const cv::Point2d centre = grid_.CentrePx(cell);
   return std::abs(SeedOf(index).u - centre.x) + std::abs(SeedOf(index).v - centre.y);
 }
 
 void PointSurface::PutIntoCells() {
   own_.setTo(kNone);
   for (size_t i = 0; i < seeds_.size(); ++i) {
-    const auto cell_of = [&](float position) {
-      return static_cast<int>(std::floor((position + 0.5) / spacing_px_));
-    };
-    const cv::Point cell(cell_of(seeds_[i].u), cell_of(seeds_[i].v));
+    const cv::Point cell(grid_.At(seeds_[i].u), grid_.At(seeds_[i].v));
     if (!cv::Rect({}, own_.size()).contains(cell)) continue;
     const auto index = static_cast<int>(i);
     if (Distance(index, cell) < Distance(own_(cell), cell)) own_(cell) = index;
@@ -152,12 +145,11 @@ void PointSurface::FindSlopes(const cv::Mat1b& asked) {
   });
 }
 
-void PointSurface::Set(std::span<const Seed> seeds, cv::Size cells, double spacing_px,
-                       const cv::Mat1b& asked) {
+void PointSurface::Set(std::span<const Seed> seeds, const CellGrid& grid, const cv::Mat1b& asked) {
   seeds_ = seeds;
   if (seeds.empty()) return;
-  spacing_px_ = spacing_px;
-  own_.create(cells);
+  grid_ = grid;
+  own_.create(grid.size);
   PutIntoCells();
   ForEachParallel(kSectors, [&](size_t i) { FindNearest(i); });
   FindSlopes(asked);
@@ -165,7 +157,7 @@ void PointSurface::Set(std::span<const Seed> seeds, cv::Size cells, double spaci
 
 double PointSurface::OffPx(cv::Point cell, double disparity_px) const {
   if (seeds_.empty()) return kInfinite;
-  const cv::Point2d centre = CentrePx(cell);
+  const cv::Point2d centre = grid_.CentrePx(cell);
   double off_px = kInfinite;
   for (const int index : AroundCell(cell)) {
     if (index == kNone) continue;
@@ -182,13 +174,13 @@ double PointSurface::OffPx(cv::Point cell, double disparity_px) const {
 double PointSurface::SigmaPx(cv::Point cell) const {
   if (seeds_.empty()) return kInfinite;
   if (own_(cell) != kNone) return SeedOf(own_(cell)).sigma_px;
-  const cv::Point2d centre = CentrePx(cell);
+  const cv::Point2d centre = grid_.CentrePx(cell);
   const Around around = AroundCell(cell);
   const auto for_each = [&](const auto& visit) {
     for (const int index : around) {
       if (index == kNone) continue;
       const cv::Point2d off(SeedOf(index).u - centre.x, SeedOf(index).v - centre.y);
-      visit(index, off, 1 / (off.dot(off) + Square(spacing_px_ / 2)));
+      visit(index, off, 1 / (off.dot(off) + Square(grid_.spacing_px / 2)));
     }
   };
   int sectors = 0;

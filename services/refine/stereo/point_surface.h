@@ -35,15 +35,12 @@ struct CellGrid {
 /// README. It follows from how far the points around are, and from whether their planes agree.
 class PointSurface {
  public:
-  /// @param seeds       of the range sensor; must live as long as SigmaPx() is called.
-  /// @param cells       columns and rows of the grid.
-  /// @param spacing_px  side of a cell, px.
-  /// @param asked       of the grid's size: nonzero where SigmaPx() and OffPx() will be called;
-  ///                    empty: everywhere.
+  /// @param seeds  of the range sensor; must live as long as SigmaPx() is called.
+  /// @param asked  of the grid's size: nonzero where SigmaPx() and OffPx() will be called; empty:
+  ///               everywhere.
   /// O(cells + seeds around those); on OpenCV's threads, with the same result for any number. Keeps
   /// its memory, 20 bytes a cell.
-  void Set(std::span<const Seed> seeds, cv::Size cells, double spacing_px,
-           const cv::Mat1b& asked = {});
+  void Set(std::span<const Seed> seeds, const CellGrid& grid, const cv::Mat1b& asked = {});
 
   /// Standard deviation of the disparity that the points around a cell give for its centre, px;
   /// infinite when there are no points.
@@ -65,7 +62,6 @@ class PointSurface {
   using Around = std::array<int, kSectors>;
 
   const Seed& SeedOf(int index) const { return seeds_[static_cast<size_t>(index)]; }
-  cv::Point2d CentrePx(cv::Point cell) const;
   double Distance(int index, cv::Point cell) const;
   void PutIntoCells();
   void FindNearest(size_t quadrant);
@@ -74,7 +70,7 @@ class PointSurface {
   Slope SlopeAt(const Seed& seed, const Around& around) const;
 
   std::span<const Seed> seeds_;
-  double spacing_px_ = 1;
+  CellGrid grid_{1, {1, 1}};
   cv::Mat1i own_;  // the seed in a cell, of several the one in the middle
   std::array<cv::Mat1i, kSectors> quadrant_;  // the nearest seed there, the cell's own included
   std::vector<Slope> slopes_;                 // at the seeds around what is asked, px a px

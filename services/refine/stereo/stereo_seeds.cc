@@ -111,7 +111,7 @@ void StereoSeedFinder::FindUncovered(const CellGrid& grid, std::span<const Seed>
   cv::dilate(with_points, uncovered_, Disc(gap));
   uncovered_ = 1 - uncovered_;
   // Cells for which no match could be surer than the points around are left out, too.
-  points_.Set(seeds, grid.size, grid.spacing_px, uncovered_);
+  points_.Set(seeds, grid, uncovered_);
   for (int y = 0; y < grid.size.height; ++y) {
     for (int x = 0; x < grid.size.width; ++x) {
       uint8_t& uncovered = uncovered_(y, x);

@@ -27,7 +27,7 @@ std::vector<Seed> Points(int steps, const std::function<double(double, double)>&
 
 double SigmaPx(const std::vector<Seed>& seeds, cv::Point cell) {
   PointSurface surface;
-  surface.Set(seeds, kCells, kCellPx);
+  surface.Set(seeds, CellGrid(kCellPx, {300, 200}));
   return surface.SigmaPx(cell);
 }
 

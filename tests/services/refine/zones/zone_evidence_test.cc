@@ -146,7 +146,7 @@ TEST(ZoneEvidence, IsNewsWhereSurerSeedsDoNotSayTheSame) {
   const auto is_news = [](double disparity_px, double sigma_px, float seed_sigma_px) {
     const std::vector<Seed> seeds = SeedsAround(seed_sigma_px);
     PointSurface surface;
-    surface.Set(seeds, Grid().size, Grid().spacing_px);
+    surface.Set(seeds, Grid());
     return IsNews({disparity_px, sigma_px}, surface, {10, 8});
   };
   EXPECT_TRUE(is_news(6.1, 1, 5)) << "3 σ off, and 4 times as sure";
@@ -154,7 +154,7 @@ TEST(ZoneEvidence, IsNewsWhereSurerSeedsDoNotSayTheSame) {
   EXPECT_TRUE(is_news(-0.1, 1, 5));
   EXPECT_FALSE(is_news(6.1, 1, 3.5F)) << "the seeds are nearly as sure";
   PointSurface none;
-  none.Set({}, Grid().size, Grid().spacing_px);
+  none.Set({}, Grid());
   EXPECT_TRUE(IsNews({3, 100}, none, {10, 8})) << "nothing else is known";
 }
 
