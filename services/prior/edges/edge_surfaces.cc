@@ -21,7 +21,7 @@ float MiddleOfGap(const Corners& corners) {
 void SplitCorners(const Corners& corners, EdgeTriangle& edge) {
   const float middle = MiddleOfGap(corners);
   for (const Plane& corner : corners) {
-    (corner.disparity > middle ? edge.near : edge.far).Add(corner, corners);
+    (corner.disparity > middle ? edge.near : edge.far).Add(corner);
   }
 }
 
@@ -46,49 +46,17 @@ bool SpansEdge(const Corners& corners, double edge_px) {
   return AreApart(edge, corners, edge_px);
 }
 
-// The seeds around are on the surface that their planes lead closer to, at the triangle's centre.
-// What leads far beyond both is on a third one.
-void SplitNearby(std::span<const Plane> planes, const Corners& corners, EdgeTriangle& edge) {
-  const auto& [a, b, c] = corners;
-  const float u = (a.u + b.u + c.u) / 3;
-  const float v = (a.v + b.v + c.v) / 3;
-  const float near = edge.near.At(u, v);
-  const float far = edge.far.At(u, v);
-  for (int seed : edge.nearby()) {
-    if (std::find(edge.seeds.begin(), edge.seeds.end(), seed) != edge.seeds.end()) continue;
-    const Plane& plane = planes[static_cast<size_t>(seed)];
-    const float from_middle = plane.At(u, v) - (near + far) / 2;
-    if (std::abs(from_middle) > near - far) continue;
-    (from_middle > 0 ? edge.near : edge.far).Add(plane, corners);
-  }
-}
-
 EdgeTriangle MakeEdge(std::span<const Plane> planes, const SeedTriangle& triangle, Rings& rings) {
   EdgeTriangle edge;
   edge.seeds = triangle;
-  const Corners corners = CornersOf(planes, triangle);
   const std::span<const int> nearby = rings.Around(triangle, 2, EdgeTriangle::kMaxSeeds);
   std::copy(nearby.begin(), nearby.end(), edge.nearby_seeds.begin());
   edge.nearby_count = nearby.size();
-  SplitCorners(corners, edge);
-  SplitNearby(planes, corners, edge);
+  SplitCorners(CornersOf(planes, triangle), edge);
   return edge;
 }
 
 }  // namespace
-
-void NearestPlanes::Add(const Plane& plane, const Corners& triangle) {
-  // Differences of squared distances are linear: what is closer at the corners is so in between.
-  const auto hides = [&](const Plane& other) {
-    return std::all_of(triangle.begin(), triangle.end(), [&](const Plane& at) {
-      return SquaredDistance(other, at.u, at.v) <= SquaredDistance(plane, at.u, at.v);
-    });
-  };
-  const std::span<const Plane> before = planes();
-  if (count_ < planes_.size() && std::none_of(before.begin(), before.end(), hides)) {
-    planes_[count_++] = plane;
-  }
-}
 
 std::vector<EdgeTriangle> FindEdgeTriangles(std::span<const Plane> planes,
                                             std::span<const SeedTriangle> triangles,

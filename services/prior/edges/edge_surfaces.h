@@ -14,34 +14,14 @@
 
 namespace sprout::prior {
 
-/// The surface that some seeds lie on, in a triangle: at each pixel the plane of the closest seed.
-class NearestPlanes {
+/// The surface that some corners of a triangle lie on: at each pixel the plane of the closest one.
+class CornerPlanes {
  public:
-  /// Adds a plane, unless an earlier one is closer everywhere in the triangle, or there are eight
-  /// already.
-  void Add(const Plane& plane, const Corners& triangle);
-
-  /// Disparity at a pixel, px. There must be a plane.
-  float At(float u, float v) const {
-    const Plane* closest = planes_.data();
-    float least = SquaredDistance(*closest, u, v);
-    for (const Plane& plane : planes().subspan(1)) {
-      const float distance = SquaredDistance(plane, u, v);
-      if (distance >= least) continue;
-      least = distance;
-      closest = &plane;
-    }
-    return closest->At(u, v);
-  }
-
+  void Add(const Plane& plane) { planes_[count_++] = plane; }
   std::span<const Plane> planes() const { return std::span(planes_).first(count_); }
 
  private:
-  static float SquaredDistance(const Plane& plane, float u, float v) {
-    return (u - plane.u) * (u - plane.u) + (v - plane.v) * (v - plane.v);
-  }
-
-  std::array<Plane, 8> planes_;  // two are usual
+  std::array<Plane, 3> planes_;
   size_t count_ = 0;
 };
 
@@ -51,8 +31,8 @@ struct EdgeTriangle {
   static constexpr size_t kMaxSeeds = ColourSeeds::kMost;
 
   SeedTriangle seeds;
-  NearestPlanes near;
-  NearestPlanes far;
+  CornerPlanes near;
+  CornerPlanes far;
   /// The seeds at the corners and in two rings around; no copies of ExtendBeyondHull().
   std::array<int, kMaxSeeds> nearby_seeds;
   size_t nearby_count = 0;

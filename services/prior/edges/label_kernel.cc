@@ -23,7 +23,7 @@ using D32 = hn::RebindToSigned<D>;
 using D16 = hn::Rebind<int16_t, D>;
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
 
-// NearestPlanes::At() of pixels side by side.
+// Those of the closest plane, of pixels side by side.
 HWY_INLINE V DisparitiesAt(std::span<const Plane> planes, V u, float v) {
   const D d;
   V least = hn::Zero(d);

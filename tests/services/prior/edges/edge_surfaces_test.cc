@@ -3,9 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include <algorithm>
 #include <cmath>
-#include <random>
 
 namespace sprout::prior {
 namespace {
@@ -103,55 +101,6 @@ TEST(EdgeTriangles, WithACornerBeyondTheHullKnowTheSeedsAroundTheOthers) {
   EXPECT_THAT(edges[0].nearby(), UnorderedElementsAre(0, 1, 2, 3));
 }
 
-// The second seed is far, but at the centre of the first triangle its plane is near.
-TEST(EdgeTriangles, LeaveEachCornerOnOneSurface) {
-  Square steep({5, 6, 20, 20});
-  steep.planes[1].per_row = 4;
-  const EdgeTriangle edge = steep.Edges().front();
-  EXPECT_EQ(edge.near.At(12, 1), 20);
-  EXPECT_EQ(edge.far.At(12, 1), 6);
-}
-
-TEST(NearestPlanes, AreThoseOfTheClosestSeedAllOverTheTriangle) {
-  std::mt19937 random(5);
-  std::uniform_real_distribution<float> place(-10, 20);
-  std::uniform_real_distribution<float> number(0, 1);
-  const Corners corners{Plane{.u = 0, .v = 0}, Plane{.u = 9, .v = 1}, Plane{.u = 2, .v = 10}};
-  for (int round = 0; round < 200; ++round) {
-    std::vector<Plane> planes;
-    NearestPlanes surface;
-    for (int i = 0; i < 8; ++i) {
-      planes.push_back({place(random), place(random), 50, number(random), number(random)});
-      surface.Add(planes.back(), corners);
-    }
-    for (int i = 0; i < 20; ++i) {
-      float b = number(random);
-      float c = number(random);
-      if (b + c > 1) b = 1 - b, c = 1 - c;
-      const float u = b * corners[1].u + c * corners[2].u;
-      const float v = b * corners[1].v + c * corners[2].v;
-      const auto distance = [&](const Plane& plane) {
-        return std::hypot(plane.u - u, plane.v - v);
-      };
-      const auto closest = std::min_element(
-          planes.begin(), planes.end(),
-          [&](const auto& one, const auto& other) { return distance(one) < distance(other); });
-      EXPECT_NEAR(surface.At(u, v), closest->At(u, v), 1e-3);
-    }
-  }
-}
-
-TEST(NearestPlanes, AreEightAtMost) {
-  const Corners corners{Plane{.u = 0, .v = 0}, Plane{.u = 90, .v = 0}, Plane{.u = 0, .v = 9}};
-  NearestPlanes surface;
-  for (int i = 0; i < 10; ++i) {
-    const auto u = static_cast<float>(9 * i);
-    surface.Add({.u = u, .v = 0, .disparity = u}, corners);
-  }
-  EXPECT_EQ(surface.At(63, 0), 63);
-  EXPECT_EQ(surface.At(81, 0), 63);
-}
-
 TEST(EdgeLabels, AreTheSurfacesOnBothSidesOfTheGap) {
   const EdgeLabels two = Square({5, 6, 20, 20}).Labels();
   EXPECT_EQ(two.near(5, 2), 20 * kOne);
@@ -163,19 +112,6 @@ TEST(EdgeLabels, AreTheSurfacesOnBothSidesOfTheGap) {
   EXPECT_EQ(two.triangle(10, 11), 1);
   EXPECT_FALSE(HasLabels(two, 1, 5));  // outside of the triangles
   EXPECT_FALSE(HasLabels(two, 5, 12));
-}
-
-// The second triangle's far seed is the closest one of the far surface in a part of the first.
-TEST(EdgeLabels, FollowTheSeedsOfOtherTrianglesToo) {
-  Square square({5, 20, 20, 7});
-  square.planes[3].u = square.planes[3].v = 9;
-  const EdgeLabels two = square.Labels();
-  EXPECT_EQ(two.triangle(5, 6), 0);
-  EXPECT_EQ(two.far(6, 6), 7 * kOne);
-  EXPECT_EQ(two.far(2, 3), 5 * kOne);
-  square.planes[3].disparity = 40;  // of neither surface
-  EXPECT_EQ(square.Labels().far(5, 5), 5 * kOne);
-  EXPECT_EQ(square.Labels().near(5, 5), 20 * kOne);
 }
 
 TEST(EdgeLabels, AreNoneWhereSurfacesMeet) {
