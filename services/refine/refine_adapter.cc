@@ -57,6 +57,13 @@ std::string ContradictionText(const Contradiction& contradiction) {
       100.0 * static_cast<double>(dropped) / static_cast<double>(contradiction.points.size()));
 }
 
+std::string SmoothingText(const Smoothing& smoothing) {
+  return fmt::format(
+      "the range image is smoothed, its depth edges are {:.1f} pixels wide: the {:.0f} % of its "
+      "points beside them are not believed",
+      smoothing.edge_width, 100 * smoothing.dropped_share);
+}
+
 std::string PlaceText(const SensorPlace& place) {
   const std::string where =
       place.scale != 1
@@ -255,6 +262,7 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
   if (!refiner_.contradiction().points.empty()) {
     PutFirst(outcome, ContradictionText(refiner_.contradiction()));
   }
+  if (refiner_.smoothing()) PutFirst(outcome, SmoothingText(refiner_.smoothing()));
   if (refiner_.scan_move().is_off) PutFirst(outcome, ScanMoveText(refiner_.scan_move()));
   outcome.outputs.push_back({Part::kSeeds, *std::move(seeds)});
   outcome.outputs.push_back({Part::kLeftSeeds, refiner_.left_seeds()});

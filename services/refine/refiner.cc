@@ -91,6 +91,7 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   range_error_ = {};
   place_ = {};
   against_ = {};
+  smoothing_ = {};
   unanswered_cells_ = 0;
   are_noise_ = false;
   left_seeds_.seeds.clear();
@@ -153,16 +154,31 @@ void Refiner::Align(const cv::Mat1b& left, const cv::Mat1b& right, const TofImag
   surface_.Set(rig, points_);
 }
 
+// Without stereo nothing would take their place.
+void Refiner::DropSmoothed(const Rig& rig, SeedSet& result) {
+  if (!surface_.has_pixels() || !config_.stereo_seeds()) return;
+  const auto before = std::ssize(points_);
+  smoothing_ = refine::DropSmoothed(surface_, points_);
+  if (!smoothing_) return;
+  result.contradicted += static_cast<int32_t>(before - std::ssize(points_));
+  surface_.Set(rig, points_);
+}
+
 // Moves the points to where the images show them, and drops those that they contradict.
 void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                           const TofProjector& projector, SeedSet& result) {
   const Rig& rig = projector.rig();
+  DropSmoothed(rig, result);
   range_error_ = range_.Apply(
       InputOf(left, right, rig),
       {.field = config_.range_bias() == RefineConfig::FIELD,
        .error_m = config_.range_error_m(),
        .matches = [&] { return stereo_.Find(left, right, {}, {}, 0, zones_.most_px()); }},
       points_);
+  for (ProjectedPoint& point : points_) {
+    if (smoothing_)
+      point.seed.sigma_px = std::hypot(point.seed.sigma_px, SurfaceRules::kSmoothedSigmaPx);
+  }
   const bool displaced = IsDisplaced(left, right, tof, projector);
   if (displaced) range_error_.rejected = true;
   const auto is_contradicted = [&](size_t i) {

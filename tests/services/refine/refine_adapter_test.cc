@@ -158,6 +158,18 @@ TEST(RefineAdapter, SaysWhatStereoContradicts) {
   EXPECT_EQ(adapter.Process(without).range_error.value_or(""), "") << "what is over is not said";
 }
 
+TEST(RefineAdapter, SaysThatARangeImageIsSmoothed) {
+  BoxScene scene;
+  for (int j = 12; j < 40; ++j) {
+    for (int i = 40; i < 60; ++i) scene.SetDisparity(i, j, 30);
+  }
+  RefineAdapter adapter{RefineConfig()};
+  const auto said = [&] { return adapter.Process(FrameOf(scene)).range_error.value_or(""); };
+  EXPECT_THAT(said(), testing::Not(HasSubstr("smoothed")));
+  cv::GaussianBlur(scene.tof.depth_m, scene.tof.depth_m, {}, 1.5);
+  EXPECT_THAT(said(), HasSubstr("the range image is smoothed, its depth edges are 3."));
+}
+
 TEST(RefineAdapter, SaysWhereADisplacedSensorBelongs) {
   RefineAdapter adapter{RefineConfig()};
   const StageResult displaced = adapter.Process(FrameOf(BoxScene(25)));
