@@ -11,6 +11,7 @@
 #include "common/core/window_sums.h"
 #include "services/refine/range/range_rules.h"
 #include "services/refine/stereo/stereo_rules.h"
+#include "services/refine/surface/range_steps.h"
 #include "services/refine/surface/surface_rules.h"
 #include "services/refine/zones/zone_evidence.h"
 
@@ -179,6 +180,7 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
     if (smoothing_)
       point.seed.sigma_px = std::hypot(point.seed.sigma_px, SurfaceRules::kSmoothedSigmaPx);
   }
+  AddStepSigma(rig.pair, tof, points_);
   const bool displaced = IsDisplaced(left, right, tof, projector);
   if (displaced) range_error_.rejected = true;
   const auto is_contradicted = [&](size_t i) {

@@ -45,6 +45,15 @@ struct SurfaceRules {
   /// Largest σ, px: below what a message may hold (1023); beyond it a seed carries no information.
   static constexpr double kMaxSigmaPx = 1000;
 
+  // Depths in coarse steps.
+  /// Depths of so many points are looked at. They come in steps if so many share each value; of
+  /// fewer values each may be that of a surface.
+  static constexpr size_t kStepSample = 4000;
+  static constexpr size_t kPointsOfStep = 16;
+  static constexpr size_t kFewestSteps = 8;
+  /// Finer steps do no harm, px: growth searches that far.
+  static constexpr double kCoarseStepPx = 1.2;
+
   // Loose points.
   /// Fewest of a cell's eight neighbours that must lie on its surface: along a line of equal depth,
   /// on a slant or a thin thing, there are two.
