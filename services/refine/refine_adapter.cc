@@ -237,13 +237,12 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
     const auto percent = std::lround(100 * error.contradicted_share);
     AddLine(outcome, "the images contradict the range points in " + std::to_string(percent) +
                          " % of the places where they could show it: none is believed");
-  } else if (refined.fits && refiner_.range_error().pair_unfit) {
-    const auto percent = std::lround(100 * refiner_.range_error().contradicted_share);
-    AddLine(outcome, "the images fit neither the range points nor each other in " +
-                         std::to_string(percent) +
-                         " % of the places where they could show it, so they say nothing of the "
-                         "range sensor: are the pair's calibration, focus, exposure and moment "
-                         "right?");
+  } else if (error.pair_unfit) {
+    AddLine(outcome,
+            fmt::format("the images fit neither the range points nor each other in {:.0f} % of the "
+                        "places where they could show it, so they say nothing of the range sensor: "
+                        "are the pair's calibration, focus, exposure and moment right?",
+                        100 * error.contradicted_share));
   }
   if (error.absurd) {
     AddLine(outcome,
