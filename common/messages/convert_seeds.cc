@@ -22,7 +22,7 @@ bool HasWholeArrays(const seeds_t& message) {
 
 // Of each count of what was seen or left out: visit(name, message's, set's).
 template <typename Message, typename Set, typename Visit>
-void ForEachCount(Message& message, Set& seeds, Visit visit) {
+void ForEachSeedCount(Message& message, Set& seeds, Visit visit) {
   visit("raw_count", message.raw_count, seeds.raw);
   visit("outside_count", message.outside_count, seeds.outside);
   visit("dark_count", message.dark_count, seeds.dark);
@@ -73,7 +73,7 @@ seeds_t ToMessage(const FrameId& id, const SeedSet& seeds) {
   seeds_t message;
   message.header = ToMessage(id);
   message.count = static_cast<int32_t>(seeds.seeds.size());
-  ForEachCount(message, seeds, [](const char*, int32_t& field, int count) { field = count; });
+  ForEachSeedCount(message, seeds, [](const char*, int32_t& field, int count) { field = count; });
   const auto fill = [&](auto& values, auto value_of) {
     values.reserve(seeds.seeds.size());
     for (const Seed& seed : seeds.seeds) values.push_back(value_of(seed));
@@ -94,7 +94,7 @@ Result<SeedSet> FromMessage(const seeds_t& message) {
   checks.NotNegative("count", message.count)
       .Require(HasWholeArrays(message), "count", message.count,
                "the number of values in each array");
-  ForEachCount(message, seeds, [&](const char* name, int32_t field, int& count) {
+  ForEachSeedCount(message, seeds, [&](const char* name, int32_t field, int& count) {
     checks.NotNegative(name, field);
     count = field;
   });

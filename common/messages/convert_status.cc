@@ -11,7 +11,7 @@ constexpr int64_t kMaxCount = int64_t{1} << 53;
 
 // The fields that a message and its value have alike, for `visit(name, message's, value's)`.
 template <typename Message, typename Status, typename Visit>
-void ForEachCount(Message& message, Status& status, Visit visit) {
+void ForEachStatusCount(Message& message, Status& status, Visit visit) {
   visit("frames_in", message.frames_in, status.frames_in);
   visit("frames_out", message.frames_out, status.frames_out);
   visit("frames_skipped", message.frames_skipped, status.frames_skipped);
@@ -24,7 +24,7 @@ void ForEachCount(Message& message, Status& status, Visit visit) {
 }
 
 template <typename Message, typename Status, typename Visit>
-void ForEachReal(Message& message, Status& status, Visit visit) {
+void ForEachStatusReal(Message& message, Status& status, Visit visit) {
   visit("rate_hz", message.rate_hz, status.rate_hz);
   visit("latency_p50_ms", message.latency_p50_ms, status.latency.p50_ms);
   visit("latency_p95_ms", message.latency_p95_ms, status.latency.p95_ms);
@@ -41,7 +41,7 @@ void ForEachReal(Message& message, Status& status, Visit visit) {
 }
 
 template <typename Message, typename Status, typename Visit>
-void ForEachText(Message& message, Status& status, Visit visit) {
+void ForEachStatusText(Message& message, Status& status, Visit visit) {
   visit("stage", message.stage, status.stage, kMaxNameLength);
   visit("host", message.host, status.host, kMaxTextLength);
   visit("version", message.version, status.version, kMaxTextLength);
@@ -60,11 +60,12 @@ constexpr auto kTextToMessage = [](const char*, std::string& field, const std::s
 // Takes the texts and refuses those that are too long.
 template <typename Message, typename Status>
 void TakeTexts(const Message& message, Status& status, Checks& checks) {
-  ForEachText(message, status,
-              [&](const char* name, const std::string& field, std::string& value, size_t longest) {
-                checks.Length(name, field, longest);
-                value = field;
-              });
+  ForEachStatusText(
+      message, status,
+      [&](const char* name, const std::string& field, std::string& value, size_t longest) {
+        checks.Length(name, field, longest);
+        value = field;
+      });
 }
 
 }  // namespace
@@ -76,9 +77,9 @@ stage_status_t ToMessage(const StageStatus& status) {
   message.state = static_cast<int32_t>(status.state);
   message.rss_bytes = status.rss_bytes;
   message.tof_coverage = status.tof_coverage;
-  ForEachText(message, status, kTextToMessage);
-  ForEachCount(message, status, kToMessage);
-  ForEachReal(message, status, kToMessage);
+  ForEachStatusText(message, status, kTextToMessage);
+  ForEachStatusCount(message, status, kToMessage);
+  ForEachStatusReal(message, status, kToMessage);
   return message;
 }
 
@@ -99,12 +100,12 @@ Result<StageStatus> FromMessage(const stage_status_t& message) {
       .Require(message.tof_coverage == kUnknownCoverage ||
                    (message.tof_coverage >= 0 && message.tof_coverage <= 1),
                "tof_coverage", message.tof_coverage, "0 to 1, or -1 for not known");
-  ForEachReal(message, status, [&](const char* name, auto field, auto& value) {
+  ForEachStatusReal(message, status, [&](const char* name, auto field, auto& value) {
     checks.Finite(name, field);
     value = field;
   });
   TakeTexts(message, status, checks);
-  ForEachCount(message, status, [&](const char* name, int64_t field, int64_t& value) {
+  ForEachStatusCount(message, status, [&](const char* name, int64_t field, int64_t& value) {
     // Sums of them, which are shown, do not overflow.
     checks.Require(field >= 0 && field <= kMaxCount, name, field, "0 to 2^53");
     value = field;
@@ -117,7 +118,7 @@ process_info_t ToMessage(const ProcessInfo& info) {
   process_info_t message;
   message.header = ToMessage(info.header);
   message.pid = info.pid;
-  ForEachText(message, info, kTextToMessage);
+  ForEachStatusText(message, info, kTextToMessage);
   return message;
 }
 
