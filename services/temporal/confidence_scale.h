@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -14,6 +16,16 @@ class ConfidenceScale {
 
   /// px², of each confidence.
   const std::array<float, 256>& variances() const { return variances_; }
+
+  /// (T10): what is left of the surer one of two disparities that disagree, px²: both may be wrong,
+  /// not both right.
+  /// @param a_px2, b_px2  > 0, of each by itself.
+  float VarianceOfSurer(float a_px2, float b_px2) const {
+    const int stays = ConfidenceOf(std::min(a_px2, b_px2));
+    const int other = ConfidenceOf(std::max(a_px2, b_px2));
+    const int left = 256 * stays * (256 - other) / (256 * 256 - stays * other);
+    return variances_[static_cast<size_t>(left)];
+  }
 
   /// The largest confidence whose variance is not below this one; 0 when there is none.
   /// @param variance_px2  > 0, finite.

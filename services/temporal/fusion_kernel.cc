@@ -27,15 +27,12 @@ inline constexpr float kSurfaceShare = 0.02F;
 inline constexpr float kMinSupport = 0.25F;
 // Farthest that the disparity found may be from the one that said where to look, px.
 inline constexpr float kFarthestPx = 1.5F;
-// Variance of a disparity that won against another one: times this, since one of them is wrong.
-inline constexpr float kDisputed = 1.5F;
-// Variances are kept within these, px²: a seventh of a pixel is what rounding and calibration
-// leave.
+// Variance of a disparity that the new map lacks: times this, every frame.
+inline constexpr float kAlone = 1.5F;
+// Variances are kept within these, px²: rounding and calibration leave a seventh of a pixel. What
+// the new map lacks is forgotten beyond the largest.
 inline constexpr float kMinVariance = 0.02F;
 inline constexpr float kLargestVariance = 16;
-// (T9): the share of a frame's variance that others do not make surer. Of 1, 0.7, 0.5 and 0.25 the
-// one with which confidences are nearest to the truth (NOTES.md).
-inline constexpr float kShared = 0.5F;
 // Variance of a pixel without a disparity.
 inline constexpr float kNoVariance = 1e6F;
 
@@ -283,6 +280,8 @@ struct Fresh {
   alignas(64) float growth[kBlock];
   alignas(64) float disparity[kBlock];
   alignas(64) float variance[kBlock];
+  alignas(64) float disputed[kBlock];  // variance of a memory that disagrees, or 0
+  alignas(64) float least[kBlock];     // of the variance that is published, (T9)
 };
 
 HWY_INLINE void Load(const FusionRow& row, int first, Block& block, Fresh& fresh) {
@@ -307,13 +306,14 @@ HWY_INLINE void Load(const FusionRow& row, int first, Block& block, Fresh& fresh
 }
 
 // (T7) and (T8). The result takes the place of what was found.
-HWY_INLINE void Fuse(const FusionRule& rule_in_memory, const Fresh& fresh, Block& block) {
-  const FusionRule rule = rule_in_memory;
+HWY_INLINE void Fuse(FusionRule rule, Fresh& fresh, Block& block) {
   for (int i = 0; i < block.count; ++i) {
     const float d = block.found[i];
-    const bool known = (d > kHalfNone) & (fresh.growth[i] > 0);
     const float v = block.variance[i] * fresh.growth[i];
     const float r = fresh.variance[i];
+    const bool is_new = fresh.disparity[i] > kHalfNone;
+    const bool lasts = is_new | (kAlone * v <= kLargestVariance);
+    const bool known = (d > kHalfNone) & (fresh.growth[i] > 0) & lasts;
     const float difference = fresh.disparity[i] - d;
     const float sigmas = rule.gate_sigmas * std::sqrt(v + r);
     const float gate = std::min(std::max(sigmas, rule.gate_min_px), rule.gate_max_px);
@@ -321,17 +321,18 @@ HWY_INLINE void Fuse(const FusionRule& rule_in_memory, const Fresh& fresh, Block
     const bool agree = known & (std::abs(difference) < gate);
     const bool older = known & (v < r);  // is surer
     const float chosen = older ? d : fresh.disparity[i];
-    const float its_variance = older ? kDisputed * v : r;
+    const float variance = older ? kAlone * v : r;
     block.found[i] = agree ? d + gain * difference : chosen;
-    const float variance = agree ? (1 - gain) * v : its_variance;
-    block.variance[i] = std::min(std::max(variance, kMinVariance), kLargestVariance);
+    block.variance[i] = agree ? (1 - gain) * v : variance;
+    fresh.disputed[i] = known & is_new & !agree ? v : 0;
+    const float share = known ? rule.shared : 1;
+    fresh.least[i] = is_new ? share * r : 0;
   }
 }
 
-// The result, and its confidence (T9).
-HWY_INLINE void Store(const FusionRow& row, int first, const Fresh& fresh, const Block& block) {
+// The result, and its confidence: (T9), (T10).
+HWY_INLINE void Store(const FusionRow& row, int first, Fresh& fresh, Block& block) {
   std::copy_n(block.found, block.count, row.fused + first);
-  std::copy_n(block.variance, block.count, row.fused_variance + first);
   alignas(64) int32_t counts[kBlock];
   for (int i = 0; i < block.count; ++i) {
     const bool known = block.found[i] > kHalfNone;
@@ -345,10 +346,15 @@ HWY_INLINE void Store(const FusionRow& row, int first, const Fresh& fresh, const
   for (int i = 0; i < block.count; ++i) to[i] = static_cast<int16_t>(counts[i]);
   uint8_t* const confidence = row.fused_confidence + first;
   for (int i = 0; i < block.count; ++i) {
-    const bool known = counts[i] != DisparityImage::kInvalid;
-    const float shared = fresh.variance[i] < kNoVariance ? kShared * fresh.variance[i] : 0;
-    const float variance = std::max(block.variance[i], shared);
-    confidence[i] = known ? row.scale->ConfidenceOf(variance) : uint8_t{0};
+    if (const float v = fresh.disputed[i]; v > 0) {
+      const float r = fresh.variance[i];
+      block.variance[i] = row.scale->VarianceOfSurer(v, r);
+      fresh.least[i] = row.scale->VarianceOfSurer(std::max(v, fresh.least[i]), r);
+    }
+    const float variance = std::max(block.variance[i], kMinVariance);
+    row.fused_variance[first + i] = std::min(variance, kLargestVariance);
+    const float told = std::max(variance, fresh.least[i]);
+    confidence[i] = block.found[i] > kHalfNone ? row.scale->ConfidenceOf(told) : uint8_t{0};
   }
 }
 

@@ -73,6 +73,13 @@ std::vector<SeenPoint> WithDepths(const std::vector<TrackedPoint>& points,
   return seen;
 }
 
+// (T9): matching errs in the same way until the cameras see the scene from elsewhere.
+float SharedBy(const Pose& motion, double baseline_m) {
+  constexpr double kFrames = 5;  // that memory is of, as its gain is at least a fifth
+  const double way = kFrames * motion.translation_m.norm() / baseline_m;
+  return static_cast<float>(1 - std::min(way, 1.0) / 2);
+}
+
 const TemporalConfig& InRange(const TemporalConfig& config) {
   RequireInRange(config, "temporal");
   if (config.gate_min_px() > config.gate_max_px()) {
@@ -254,7 +261,8 @@ void TemporalFilter::Fuse(const TemporalInput& input, TemporalOutput& output) {
   const FusionRule rule{.gate_sigmas = static_cast<float>(config_.gate_sigmas()),
                         .gate_min_px = static_cast<float>(config_.gate_min_px()),
                         .gate_max_px = static_cast<float>(config_.gate_max_px()),
-                        .min_gain = static_cast<float>(config_.min_gain())};
+                        .min_gain = static_cast<float>(config_.min_gain()),
+                        .shared = SharedBy(now_.left_from_last, input.pair.baseline_m)};
   const int height = input.left.rows;
   ForRangesParallel(height, height / kRowsPerPart + 1, [&](const cv::Range& rows) {
     for (int v = rows.start; v < rows.end; ++v) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <functional>
 #include <vector>
 
 #include "tests/common/testing/instruction_sets.h"
@@ -40,24 +41,81 @@ TEST(TemporalFilter, SteadiesAStillSceneAndStandsStill) {
   EXPECT_GT(cv::mean(output.confidence)[0], 230);
 }
 
-// Twelve frames that err alike are no surer than (T9) says.
-TEST(TemporalFilter, SharesHalfOfTheVarianceOfOneFrame) {
-  constexpr uint8_t kOfOne = 200;
-  const ConfidenceScale scale;
-  const uint8_t most = scale.ConfidenceOf(scale.variances()[kOfOne] / 2);
-  ASSERT_GT(most, kOfOne + 20);
-  ASSERT_LT(most, 250);
+// The largest confidence after twelve frames of one confidence.
+int MostAfterFramesOf(uint8_t confidence, const std::function<Pose(int)>& pose_at) {
   TemporalFilter filter(Defaults());
-  const MovingScene scene = SceneFrom(MovedBy(0, 0, 0));
   TemporalOutput output;
   for (int i = 0; i < 12; ++i) {
-    TemporalInput input = FrameFrom(scene, i, kNoisePx);
-    input.confidence.setTo(kOfOne);
+    TemporalInput input = FrameFrom(SceneFrom(pose_at(i)), i, kNoisePx);
+    input.confidence.setTo(confidence);
     output = filter.Compute(input);
   }
   double largest = 0;
   cv::minMaxLoc(output.confidence, nullptr, &largest);
-  EXPECT_EQ(largest, most);
+  return static_cast<int>(largest);
+}
+
+// (T9): what errs alike makes nothing surer. What is seen from elsewhere errs alike by half.
+TEST(TemporalFilter, IsSurerOnlyOfWhatIsSeenFromElsewhere) {
+  constexpr uint8_t kOfOne = 200;
+  const ConfidenceScale scale;
+  const int of_half = scale.ConfidenceOf(scale.variances()[kOfOne] / 2);
+  ASSERT_GT(of_half, kOfOne + 20);
+  EXPECT_EQ(MostAfterFramesOf(kOfOne, [](int) { return MovedBy(0, 0, 0); }), kOfOne);
+  EXPECT_EQ(MostAfterFramesOf(kOfOne, [](int i) { return MovedBy(0, 0, 0, 0.004 * i); }), kOfOne);
+  EXPECT_EQ(MostAfterFramesOf(kOfOne, [](int i) { return PoseAt(2 * i); }), of_half);
+}
+
+// Where nothing is known from before, the confidence is that of the frame, however low.
+TEST(TemporalFilter, IsNoSurerOfWhatIsNew) {
+  constexpr uint8_t kUnsure = 20;
+  const cv::Rect place(60, 60, 80, 50);
+  TemporalFilter filter(Defaults());
+  const MovingScene scene = SceneFrom(MovedBy(0, 0, 0));
+  TemporalOutput output;
+  for (int i = 0; i < 3; ++i) {
+    TemporalInput input = FrameFrom(scene, i, kNoisePx);
+    if (i < 2) input.disparity.counts()(place).setTo(DisparityImage::kInvalid);
+    input.confidence(place).setTo(kUnsure);
+    output = filter.Compute(input);
+  }
+  const cv::Rect inside(place.tl() + cv::Point(3, 3), place.br() - cv::Point(3, 3));
+  EXPECT_EQ(cv::countNonZero(output.confidence(inside) != kUnsure), 0);
+}
+
+// A map that all later ones contradict: two frames, and what is claimed of it falls at once.
+TEST(TemporalFilter, GivesUpWhatNewMapsContradict) {
+  const MovingScene scene = SceneFrom(MovedBy(0, 0, 0));
+  TemporalFilter filter(Defaults());
+  TemporalOutput output;
+  for (int i = 0; i < 12; ++i) {
+    TemporalInput input = FrameFrom(scene, i, kNoisePx);
+    input.confidence.setTo(245);
+    if (i < 9) input.disparity.counts() += 10 * DisparityImage::kCountsPerPixel;
+    output = filter.Compute(input);
+    if (i == 9) {
+      EXPECT_LT(cv::mean(output.confidence)[0], 150);
+    }
+  }
+  EXPECT_LT(ErrorOf(output.disparity, scene), 0.5);
+}
+
+// What no map shows any more is not kept for ever.
+TEST(TemporalFilter, ForgetsWhatNoNewMapShows) {
+  const cv::Rect place(60, 60, 80, 50);
+  const MovingScene scene = SceneFrom(MovedBy(0, 0, 0));
+  TemporalFilter filter(Defaults());
+  TemporalOutput output;
+  for (int i = 0; i < 24; ++i) {
+    TemporalInput input = FrameFrom(scene, i, kNoisePx);
+    if (i >= 4) input.disparity.counts()(place).setTo(DisparityImage::kInvalid);
+    output = filter.Compute(input);
+    const cv::Mat known = output.disparity.counts()(place) != DisparityImage::kInvalid;
+    if (i == 8) {
+      EXPECT_GT(cv::countNonZero(known), place.area() * 9 / 10);
+    }
+  }
+  EXPECT_EQ(cv::countNonZero(output.disparity.counts()(place) != DisparityImage::kInvalid), 0);
 }
 
 TEST(TemporalFilter, MovesTheMapWithTheCamera) {
