@@ -43,10 +43,10 @@ void DropBelow(int least, const cv::Mat1b& confidence, DisparityImage& map) {
 
 }  // namespace
 
-void BoundConfidence(const inputs::Findings& findings, const SproutConfig& config,
+bool BoundConfidence(const inputs::Findings& findings, const SproutConfig& config,
                      DepthFrame& depth) {
   const double error_px = ColumnErrorPx(findings);
-  if (error_px <= 1) return;
+  if (error_px <= 1) return false;
   const auto bounded = [&](uint8_t confidence) {
     return static_cast<uint8_t>(confidence / error_px);
   };
@@ -63,6 +63,7 @@ void BoundConfidence(const inputs::Findings& findings, const SproutConfig& confi
             of_fused ? depth.fused_confidence : depth.confidence, depth.kept);
   depth.depth_m.setTo(std::numeric_limits<float>::quiet_NaN(),
                       depth.kept.counts() == DisparityImage::kInvalid);
+  return true;
 }
 
 }  // namespace sprout

@@ -13,7 +13,8 @@ namespace sprout {
 /// or left and right are not what they are said to be, no disparity is believed. What falls below
 /// grow { min_confidence } has no disparity any more, what falls below that of depth { } no depth.
 /// O(pixels).
-void BoundConfidence(const inputs::Findings& findings, const SproutConfig& config,
+/// @returns whether the pair does not fit: what a memory has of it is not to be believed, either.
+bool BoundConfidence(const inputs::Findings& findings, const SproutConfig& config,
                      DepthFrame& depth);
 
 }  // namespace sprout

@@ -165,7 +165,7 @@ Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline
     Result<DepthFrame> depth =
         pipeline.Compute(frame->left, frame->right, *frame->tof, *frame->rig);
     if (!depth) return tl::unexpected(depth.error());
-    BoundConfidence(findings, config, *depth);
+    if (BoundConfidence(findings, config, *depth)) pipeline.Reset();
     const std::chrono::duration<double, std::milli> time = Clock::now() - begun;
     return Computed{*std::move(frame), *std::move(depth), time.count(), std::move(complaint)};
   } catch (const std::exception& e) {

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <set>
 
 #include "common/core/read_text.h"
@@ -147,6 +148,26 @@ TEST_F(Files, OfAVideoAreFusedWhenAsked) {
     EXPECT_EQ(cv::countNonZero(fused), frame.fused.CountValid());
     EXPECT_EQ(SameBytes(fused, single), i == 0);
   }
+}
+
+// What a pair that does not fit its calibration gives is not fused into those behind it.
+TEST_F(Files, OfAPairThatDoesNotFitAreForgotten) {
+  cv::Mat lower;
+  cv::warpAffine(scene_.right, lower, cv::Matx23d(1, 0, 0, 0, 1, 6), scene_.right.size());
+  for (const int i : {0, 1, 2}) {
+    const std::string name = "/" + std::to_string(i) + ".png";
+    Write(("l" + name).c_str(), scene_.left);
+    Write(("r" + name).c_str(), i == 1 ? lower : scene_.right);
+  }
+  options_.left = folder_ / "l";
+  options_.right = folder_ / "r";
+  const Ended ended = RunToEnd(options_, {}, {"default", "temporal { in_pipeline: true }"});
+  EXPECT_THAT(ended.err, HasSubstr("rows"));
+  const auto of = [&](const char* pair, const char* name) {
+    return cv::imread(folder_ / "out" / pair / name, cv::IMREAD_UNCHANGED);
+  };
+  EXPECT_TRUE(SameBytes(of("2", "fused.png"), of("0", "fused.png")));
+  EXPECT_TRUE(SameBytes(of("2", "fused_confidence.png"), of("0", "confidence.png")));
 }
 
 TEST_F(Files, LeaveOutOfDepthsAndPointsWhatTheDepthSettingsSay) {
