@@ -28,7 +28,7 @@ View ViewOf(const Lens& lens, const Pose& left_from_camera);
 /// their right, lower and lower right neighbour span a surface: it fills all pixels of the view
 /// that lie on it, so that there are no holes. At its border a pixel of the map fills its own size.
 /// The nearest surface wins (z-buffer). No depth where nothing is projected to, among them what the
-/// camera sees and the map does not, nor beyond 65535 counts.
+/// camera sees and the map does not, as the back of what the map shows, nor beyond 65535 counts.
 ///
 /// Rows in parallel; the same for any number of threads. O(pixels of the map and of the view).
 ///

@@ -76,6 +76,7 @@ struct Block {
   alignas(64) float left[kSize], right[kSize], top[kSize], bottom[kSize];
   alignas(64) float depth[kSize];  // counts + 0.5
   alignas(64) int32_t surface[kSize];
+  alignas(64) int32_t back[kSize];  // 1 where the view sees the surface from behind
 };
 
 HWY_INLINE void Bound(const ProjectedRow& upper, const ProjectedRow& lower, int first, int count,
@@ -110,12 +111,23 @@ HWY_INLINE void FindSurfaces(const ProjectedRow& upper, const ProjectedRow& lowe
                           (block.bottom[i] - block.top[i] <= side_px ? 1 : 0);
     block.surface[i] = flat & small;
   }
+  const float* const x_above = upper.x.data() + first;
+  const float* const y_above = upper.y.data() + first;
+  const float* const x_below = lower.x.data() + first;
+  const float* const y_below = lower.y.data() + first;
+  for (int i = 0; i < count; ++i) {
+    // The diagonals, from the upper left and from the upper right: to the right is downwards.
+    const float area = (x_below[i + 1] - x_above[i]) * (y_below[i] - y_above[i + 1]) -
+                       (y_below[i + 1] - y_above[i]) * (x_below[i] - x_above[i + 1]);
+    block.back[i] = block.surface[i] & (area > 0 ? 0 : 1);
+  }
   const float* const sum_above = upper.sum_z.data() + first;
   const float* const sum_below = lower.sum_z.data() + first;
   const float quarter = 0.25F * rule.counts_per_m;
   for (int i = 0; i < count; ++i) {
     const float depth = (sum_above[i] + sum_below[i]) * quarter + 0.5F;
-    const int32_t fills = block.surface[i] & (depth >= 1 ? 1 : 0) & (depth < 65536 ? 1 : 0);
+    const int32_t fills =
+        block.surface[i] & ~block.back[i] & (depth >= 1 ? 1 : 0) & (depth < 65536 ? 1 : 0);
     block.depth[i] = fills != 0 ? depth : 0.0F;
   }
 }
@@ -148,7 +160,9 @@ void SpansOnTarget(const ProjectedRow& upper, const ProjectedRow& lower, const S
                  spans.v_begin.data() + first, spans.v_end.data() + first);
     uint8_t* const surfaces = spans.surface.data() + first + 1;
     int32_t* const values = spans.value.data() + first;
-    for (int i = 0; i < count; ++i) surfaces[i] = static_cast<uint8_t>(block.surface[i]);
+    for (int i = 0; i < count; ++i) {
+      surfaces[i] = static_cast<uint8_t>(block.surface[i] + 2 * block.back[i]);
+    }
     for (int i = 0; i < count; ++i) values[i] = static_cast<int32_t>(Most(block.depth[i], 1)) - 1;
   }
 }
@@ -161,8 +175,9 @@ void BordersOnTarget(const ProjectedRow& row, const std::vector<uint8_t>& above,
   const uint8_t* HWY_RESTRICT b = below.data();
   uint8_t* HWY_RESTRICT border = borders.data();
   for (int u = 0; u < width; ++u) {
-    const int inside = a[u] & a[u + 1] & b[u] & b[u + 1];
-    border[u] = static_cast<uint8_t>((z[u] > 0 ? 1 : 0) & (1 - inside));
+    const int all = a[u] & a[u + 1] & b[u] & b[u + 1];
+    const int any = a[u] | a[u + 1] | b[u] | b[u + 1];
+    border[u] = static_cast<uint8_t>((z[u] > 0 ? 1 : 0) & ~all & ~(any >> 1));
   }
 }
 

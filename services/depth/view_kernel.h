@@ -40,7 +40,8 @@ struct SpanRule {
 struct Spans {
   explicit Spans(size_t width);
 
-  /// 1 when they span a surface. One more in front, and at the end: 0.
+  /// 1 when they span a surface, 3 when the view sees it from behind: then nothing is on it. One
+  /// more in front, and at the end: 0.
   std::vector<uint8_t> surface;
   std::vector<int32_t> u_begin, u_end, v_begin, v_end;  ///< pixels of the view on it
   std::vector<int32_t> value;                           ///< their depth in counts − 1
@@ -51,7 +52,8 @@ void ProjectRow(const RowProjection& projection, const int16_t* counts, Projecte
 void FindSpans(const ProjectedRow& upper, const ProjectedRow& lower, const SpanRule& rule,
                Spans& spans);
 
-/// 1 for pixels with a depth that are not surrounded by surfaces.
+/// 1 for pixels with a depth that are not surrounded by surfaces, nor part of one that the view
+/// sees from behind.
 /// @param above, below  Spans::surface of the rows above and below.
 void FindBorders(const ProjectedRow& row, const std::vector<uint8_t>& above,
                  const std::vector<uint8_t>& below, std::vector<uint8_t>& borders);

@@ -114,6 +114,15 @@ TEST(DepthInView, LooksNotBehindItself) {
   EXPECT_EQ(cv::countNonZero(DepthIn(Same(), DisparityImage(kMappedPair.size()))), 0);
 }
 
+// 3 m ahead, and turned round: it sees the backs of a wall and of a box, which the map does not.
+TEST(DepthInView, ShowsNothingFromBehind) {
+  DisparityImage map = Plane(4);
+  map.counts()(cv::Rect(15, 10, 10, 10)) = 320;
+  View view = Same();
+  view.view_from_left = {.rotation = {0, 0, 1, 0}, .translation_m = {0, 0, 3}};
+  EXPECT_EQ(cv::countNonZero(DepthIn(view, map)), 0);
+}
+
 TEST(DepthInView, LeavesOutWhatHasNoNumber) {
   EXPECT_EQ(cv::countNonZero(DepthInView(Plane(1), kMappedPair, Same(), 0.0001).counts), 0)
       << "10 m are 100000 counts";
