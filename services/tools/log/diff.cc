@@ -228,7 +228,8 @@ std::string LogDiff::Report() const {
   }
   remarks += ConfigDiffText(streams_[0].processes(), streams_[1].processes());
   if (names_.files() > 0) {
-    remarks += fmt::format("{}: {} pictures\n", options_.images.string(), names_.files());
+    remarks += fmt::format("{}: {} pictures{}\n", options_.images.string(), names_.files(),
+                           names_.OthersText());
   }
   text += remarks.empty() ? "" : "\n" + remarks;
   if (IsEqual()) return text + (options_.common ? "equal in what both have\n" : "equal\n");

@@ -44,12 +44,23 @@ std::filesystem::path FrameFileNames::Of(const FrameId& id, const std::string& w
     std::filesystem::create_directories(folder_, error);
     if (error)
       throw ConfigError(folder_.string() + ": cannot be written (" + error.message() + ")");
+    for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {
+      const std::string name = entry.path().filename().string();
+      if (name.find_first_not_of("0123456789") == 6 && name[6] == '_') others_.insert(name);
+    }
   }
   ++files_;
   const auto [first, added] = utimes_.emplace(id.seq, id.utime);
   const std::string number = fmt::format("{:06}", id.seq);
   const bool other = !added && first->second != id.utime;
-  return folder_ / (number + (other ? fmt::format("_{}", id.utime) : "") + "_" + what);
+  const std::string name = number + (other ? fmt::format("_{}", id.utime) : "") + "_" + what;
+  others_.erase(name);
+  return folder_ / name;
+}
+
+std::string FrameFileNames::OthersText() const {
+  if (others_.empty()) return "";
+  return fmt::format("; {} files of other frames were there before", others_.size());
 }
 
 void FinishFiles(const std::string& complaint, const FrameFileNames& names,
@@ -58,8 +69,8 @@ void FinishFiles(const std::string& complaint, const FrameFileNames& names,
     throw LogError(options.file, nothing + (complaint.empty() ? "" : "; " + complaint));
   }
   if (!complaint.empty()) std::cerr << "sprout-log: " << complaint << "\n";
-  std::cout << fmt::format("{}: {} files of {} frames\n", options.folder.string(), names.files(),
-                           names.frames());
+  std::cout << fmt::format("{}: {} files of {} frames{}\n", options.folder.string(), names.files(),
+                           names.frames(), names.OthersText());
 }
 
 }  // namespace sprout::log

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -37,9 +38,13 @@ class FrameFileNames {
   int64_t frames() const { return static_cast<int64_t>(utimes_.size()); }
   int64_t files() const { return files_; }
 
+  /// "; 12 files of other frames were there before" or nothing: a folder may hold an earlier run's.
+  std::string OthersText() const;
+
  private:
   std::filesystem::path folder_;
   std::map<int64_t, int64_t> utimes_;  // of the first frame with a number
+  std::set<std::string> others_;       // files of frames that were there, and were not named
   int64_t files_ = 0;
 };
 

@@ -178,8 +178,8 @@ void Ranking::WritePictures() const {
     if (worst.contains({frame.id.utime, frame.id.seq}))
       WriteFramePictures(frame, {}, names.For(frame.id));
   });
-  std::cerr << fmt::format("{}: {} pictures of the {} worst frames\n", options_.folder.string(),
-                           names.files(), names.frames());
+  std::cerr << fmt::format("{}: {} pictures of the {} worst frames{}\n", options_.folder.string(),
+                           names.files(), names.frames(), names.OthersText());
 }
 
 int RunRank(const RankOptions& options) {

@@ -76,6 +76,10 @@ TEST_F(RankTest, WritesThePicturesOfTheWorst) {
   EXPECT_TRUE(std::filesystem::exists(pictures + "/000004_left.png"));
   EXPECT_TRUE(std::filesystem::exists(pictures + "/000004_disparity.png"));
   EXPECT_FALSE(std::filesystem::exists(pictures + "/000002_left.png"));
+  EXPECT_THAT(outcome.err, HasSubstr("1 worst frames\n"));
+  const MainOutcome again =
+      RunLog({"rank", log_, "--top", "1", "--images", pictures, "--frames", "0:2"});
+  EXPECT_THAT(again.err, HasSubstr(" files of other frames were there before\n"));
 }
 
 TEST_F(RankTest, KnowsTheFramesWhoseAnswersComeFromAnotherLog) {
