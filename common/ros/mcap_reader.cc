@@ -76,7 +76,10 @@ std::vector<fs::path> PartsOf(const fs::path& folder) {
            std::ranges::binary_search(parts, fs::path(part).replace_extension());
   });
   if (parts.empty() && has_sqlite) throw ConfigError(folder.string() + ": " + kOfSqlite);
-  if (parts.empty()) throw ConfigError(folder.string() + ": a folder without .mcap files");
+  if (parts.empty()) {
+    throw ConfigError(folder.string() +
+                      ": a folder without .mcap files; a log of LCM is given by its file");
+  }
   return parts;
 }
 

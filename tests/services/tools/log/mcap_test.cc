@@ -113,7 +113,7 @@ TEST_F(McapExport, HasTheConfigurationsAsMetadata) {
 TEST(McapInfo, RefusesAFolderThatIsNoBag) {
   const LogFolder folder;
   WriteBytes(folder.File("text"), Bytes(3));
-  ExpectRefused({"info", folder.File("")}, "a folder without .mcap files");
+  ExpectRefused({"info", folder.File("")}, "a folder without .mcap files; a log of LCM is");
 }
 
 TEST_F(McapExport, RefusesWhatItCannotDo) {
