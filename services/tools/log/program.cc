@@ -1,8 +1,10 @@
 #include "services/tools/log/program.h"
 
+#include <exception>
 #include <iostream>
 
 #include "common/app/program.h"
+#include "common/config/config_error.h"
 #include "common/core/signal_watcher.h"
 #include "services/tools/log/commands.h"
 
@@ -31,10 +33,12 @@ something; 2 a flag or a log that cannot be used. Output logs are renamed into p
 
 int RunChosen(const Flags& flags) {
   try {
-    return RefusingLogs([&] { return flags.RunCommand(); });
+    return flags.RunCommand();
   } catch (const Interrupted&) {
     std::cerr << "sprout-log: interrupted\n";
     return 130;
+  } catch (const std::exception& e) {  // exit code 2, since 1 says that logs differ
+    throw ConfigError(e.what() + ReachedLimitText(e));
   }
 }
 

@@ -57,6 +57,14 @@ TEST(LogProgram, RefusesBadFlagsAndFiles) {
   EXPECT_EQ(folder.CountEntries(), 1);
 }
 
+// Exit code 1 would say that something is wrong with the log.
+TEST(LogProgram, RefusesAPlaceThatCannotBeWritten) {
+  const LogFolder folder;
+  const auto log = folder.Write("log", GraphEvents(1));
+  std::filesystem::create_directories(folder.File("out/000000_left.png"));
+  ExpectRefused({"images", log, folder.File("out")}, "cannot write ");
+}
+
 // Payloads are hit most: what cannot be decoded must not end a command.
 TEST(LogProgram, SurvivesAnyDamage) {
   const LogFolder folder;
