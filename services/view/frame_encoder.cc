@@ -255,6 +255,9 @@ std::string FrameEncoder::Encode(const StoredFramePtr& frame, const ShownParts& 
     head["width"] = size->width;
     head["height"] = size->height;
   }
+  for (const Part part : kAllParts) {
+    if (frame->Has(part)) head["channels"].push_back(ChannelOf(part));
+  }
   return MakePacket(std::move(head), parts);
 }
 

@@ -51,7 +51,8 @@ class FrameEncoder {
   explicit FrameEncoder(DecodedFrame::Complain complain) : complain_(std::move(complain)) {}
 
   /// The packet of a frame: head {type: "frame", key, version, seq, utime, width, height, scales:
-  /// {disparity: {min, max}, ...}, keys, parts}. Missing parts are left out.
+  /// {disparity: {min, max}, ...}, keys, channels: of its messages, parts}. Missing parts are left
+  /// out.
   /// @param keys  that the page can look at; goes into the head.
   std::string Encode(const StoredFramePtr& frame, const ShownParts& shown, const KeyRange& keys);
 

@@ -1,7 +1,11 @@
 // Buttons and keys.
 
-const kFiles = ['left.png', 'right.png', 'disparity.png', 'prior.png', 'confidence.png',
-                'disparity.pfm', 'prior.pfm', 'sigma.pfm', 'cloud.ply'];
+// With the messages that a frame must have for it.
+const kFiles = {
+  'left.png': ['LEFT'], 'right.png': ['RIGHT'], 'disparity.png': ['DISPARITY'], 'prior.png': ['PRIOR'],
+  'confidence.png': ['CONFIDENCE'], 'disparity.pfm': ['DISPARITY'], 'prior.pfm': ['PRIOR'], 'sigma.pfm': ['SIGMA'],
+  'cloud.ply': ['DISPARITY', 'LEFT', 'RIG'],
+};
 const kKeys = [
   ['Space', 'stop and look, or go on'], ['← →', 'one frame back or on; with Shift ten'],
   ['Home, End', 'the first frame, the newest one'], ['1 … 6', 'one pane large, or all again'],
@@ -15,12 +19,14 @@ const kKeys = [
 
 const byId = (id) => document.getElementById(id);
 
-/// @param app  with toggle(), step(n), first(), newest(), key, isLog, panes, cloud, target, toggleUnit().
+/// @param app  with toggle(), step(n), first(), newest(), key, head, isLog, panes, cloud, target, toggleUnit().
 export function addControls(app) {
   const saveBox = byId('save-box');
   const helpBox = byId('help-box');
   const save = () => {
-    byId('save-frame').replaceChildren(...kFiles.map((file) => {
+    const channels = app.head?.channels ?? [];
+    const files = Object.keys(kFiles).filter((file) => kFiles[file].every((name) => channels.includes(`SPROUT_${name}`)));
+    byId('save-frame').replaceChildren(...files.map((file) => {
       const link = document.createElement('a');
       link.href = `save?key=${app.key}&what=${file}`;
       link.download = '';

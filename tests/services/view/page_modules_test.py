@@ -101,6 +101,14 @@ def check_refusal(browser):
     check("what else goes wrong is no answer", run(browser, said) == "closed")
 
 
+def check_saving(browser):
+    offered = run(browser, """
+        sprout.head = {channels: ['SPROUT_LEFT', 'SPROUT_RIG', 'SPROUT_SIGMA', 'SPROUT_CONFIDENCE']};
+        document.getElementById('save').click();
+        return [...document.querySelectorAll('#save-frame a')].map((link) => link.textContent);""")
+    check("files are offered that the frame has", offered == ["left.png", "confidence.png", "sigma.pfm"], offered)
+
+
 def main():
     lacking = web_driver.missing()
     if lacking:
@@ -114,6 +122,8 @@ def main():
                 browser.open(f"http://127.0.0.1:{server.server_port}/empty")
                 check_plots(browser)
                 check_refusal(browser)
+                browser.open(f"http://127.0.0.1:{server.server_port}/index.html")
+                check_saving(browser)
         finally:
             server.shutdown()
     return 1 if failures else 0

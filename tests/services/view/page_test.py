@@ -155,6 +155,12 @@ def check_pixel(browser, key):
 
 
 def check_saving(browser, programs, folder):
+    offered = browser.run("""
+        document.getElementById('save').click();
+        const files = [...document.querySelectorAll('#save-frame a')].map((link) => link.textContent);
+        document.getElementById('save-box').close();
+        return files;""")
+    check("what a frame of the whole graph has is offered", len(offered) == 9, offered)
     check("seconds are asked for", browser.run("return document.getElementById('seconds').required"))
     log = folder / "saved.lcm"
     log.write_bytes(get("save-log?seconds=3"))
