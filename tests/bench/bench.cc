@@ -238,10 +238,10 @@ int main(int argc, char** argv) {
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   try {
     sprout::RegisterAll();
-    benchmark::RunSpecifiedBenchmarks();
+    // It has said so where none is of that name.
+    return benchmark::RunSpecifiedBenchmarks() > 0 ? 0 : 2;
   } catch (const std::exception& e) {
     std::cerr << "sprout_bench: " << e.what() << "\n";
     return 1;
   }
-  return 0;
 }
