@@ -5,7 +5,8 @@
 
 namespace sprout {
 
-/// One line of progress on stderr. Only for people: nothing is written unless stderr is a terminal.
+/// One line of progress on stderr, cut to the terminal's width. Only for people: nothing is written
+/// unless stderr is a terminal.
 /// The line is erased when the object is destroyed.
 class Progress {
  public:

@@ -13,9 +13,10 @@ using ::testing::HasSubstr;
 // stderr is a terminal as long as it lives.
 class Terminal {
  public:
-  Terminal() : before_(dup(STDERR_FILENO)) {
+  explicit Terminal(uint16_t columns = 80) : before_(dup(STDERR_FILENO)) {
     int slave = -1;
-    EXPECT_EQ(openpty(&master_, &slave, nullptr, nullptr, nullptr), 0);
+    const winsize size{.ws_row = 24, .ws_col = columns, .ws_xpixel = 0, .ws_ypixel = 0};
+    EXPECT_EQ(openpty(&master_, &slave, nullptr, nullptr, &size), 0);
     dup2(slave, STDERR_FILENO);
     close(slave);
   }
@@ -53,6 +54,15 @@ TEST(Progress, TellsForHowLongSomethingTakesAndErasesIt) {
   EXPECT_THAT(terminal.ReadUntil("writing"), ::testing::Not(HasSubstr("2 s")));
   progress.Clear();
   EXPECT_THAT(terminal.ReadUntil("\r\x1b[K"), HasSubstr("\r\x1b[K"));
+}
+
+TEST(Progress, FillsOneLineOfANarrowTerminal) {
+  const Terminal terminal(10);
+  Progress progress(/*quiet=*/false);
+  progress.Show("\u00fcber a long way|");
+  progress.ShowTime("a long way");
+  EXPECT_THAT(terminal.ReadUntil(", 1 s"),
+              HasSubstr("\r\x1b[K\u00fcber a lo\r\x1b[Ka long wa\r\x1b[Ka lo, 1 s"));
 }
 
 TEST(Progress, WritesNothingWhereThereIsNoTerminal) {
