@@ -44,6 +44,7 @@ std::string Sbatch(const fs::path& script, const std::vector<std::string>& flags
   const auto code = process.Wait(std::chrono::seconds(120));
   std::string id = process.Output();
   while (id.ends_with('\n')) id.pop_back();
+  for (size_t end = 0; (end = id.find('\n', end)) != std::string::npos;) id.replace(end, 1, "; ");
   if (code != 0) {
     throw ConfigError("sbatch: " + (code == 127 ? "not found; is Slurm installed here?" : id));
   }
