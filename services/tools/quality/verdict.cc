@@ -179,7 +179,9 @@ std::string MissingText(const TargetQuality& quality, const TargetSettings& sett
     text += fmt::format("no edge width: no step of {:g} px or more in --edge\n", kMinEdgeStepPx);
   }
   if (quality.distance_m && !quality.sigma_claimed_px) {
-    text += "no sigma claimed: the maps come without a standard deviation (SPROUT_SIGMA)\n";
+    text +=
+        "no sigma claimed: the maps come without a standard deviation (as logs with SPROUT_SIGMA "
+        "have)\n";
   }
   return text;
 }

@@ -111,7 +111,7 @@ TEST_F(QualityProgram, MeasuresALogAndAFolderOfPfmAlike) {
     EXPECT_THAT(outcome.out, ContainsRegex("sub-pixel RMS +0\\.(099|100|101)[0-9] px\n"));
     EXPECT_THAT(outcome.out, ContainsRegex("tilt, left to right +(2.9[5-9]|3.0[0-5]) °\n"));
     EXPECT_THAT(outcome.out, HasSubstr("no sigma claimed: the maps come without a standard "
-                                       "deviation (SPROUT_SIGMA)\n"));
+                                       "deviation (as logs with SPROUT_SIGMA have)\n"));
     EXPECT_THAT(outcome.out, Not(HasSubstr("no Z-accuracy")));
   }
 }
