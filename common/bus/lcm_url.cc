@@ -20,13 +20,13 @@ namespace {
 constexpr char kUdpmScheme[] = "udpm://";
 constexpr char kTcpqScheme[] = "tcpq://";
 constexpr char kDefaultGroup[] = "239.255.76.67";
-constexpr uint16_t kDefaultPort = 7667;
+constexpr char kDefaultPort[] = "7667";
 constexpr char kBufferKey[] = "recv_buf_size=";
 
 struct ParsedUrl {
   bool is_tcpq = false;
   std::string host;
-  std::string port;
+  std::string port;     // of udpm; a default where the URL has none, as for the host
   std::string options;  // behind the '?'
 };
 
@@ -42,17 +42,17 @@ std::optional<ParsedUrl> Parse(const std::string& url) {
     parsed.port = parsed.host.substr(colon + 1);
     parsed.host = parsed.host.substr(0, colon);
   }
+  if (parsed.is_tcpq) return parsed;
+  if (parsed.host.empty()) parsed.host = kDefaultGroup;
+  if (parsed.port.empty()) parsed.port = kDefaultPort;
   return parsed;
 }
 
-// Either half of the network may be missing.
 sockaddr_in GroupOf(const ParsedUrl& url) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
-  const int port = url.port.empty() ? kDefaultPort : std::atoi(url.port.c_str());
-  address.sin_port = htons(static_cast<uint16_t>(port));
-  const std::string host = url.host.empty() ? kDefaultGroup : url.host;
-  if (inet_pton(AF_INET, host.c_str(), &address.sin_addr) != 1) address.sin_addr.s_addr = 0;
+  address.sin_port = htons(static_cast<uint16_t>(std::atoi(url.port.c_str())));
+  if (inet_pton(AF_INET, url.host.c_str(), &address.sin_addr) != 1) address.sin_addr.s_addr = 0;
   return address;
 }
 
@@ -132,9 +132,8 @@ UdpmAddress RequireUdpmRoute(const std::string& url) {
   const UdpmAddress address{.group = GroupOf(parsed),
                             .receive_buffer = static_cast<int>(Asked(url, kBufferKey))};
   if (!HasRoute(address.group)) {
-    const std::string group = parsed.host.empty() ? kDefaultGroup : parsed.host;
-    const std::string add = "ip route add " + group + "/32 dev ";
-    throw BusError("no multicast route to " + group + "; add one: " +
+    const std::string add = "ip route add " + parsed.host + "/32 dev ";
+    throw BusError("no multicast route to " + parsed.host + "; add one: " +
                    (Asked(url, "ttl=") > 0 ? add + "DEVICE, the one that leads to the other hosts"
                                            : "ip link set lo multicast on && " + add + "lo"));
   }
@@ -145,7 +144,10 @@ LcmPtr OpenLcm(const std::string& url) {
   if (const auto error = LcmUrlError(url)) throw BusError(*error);
   const ParsedUrl parsed = *Parse(url);
   if (!parsed.is_tcpq) RequireUdpmRoute(url);
-  LcmPtr lcm(lcm_create(url.c_str()));
+  // Of a URL with only one of group and port LCM takes 0 for the other.
+  const std::string whole =
+      parsed.is_tcpq ? url : kUdpmScheme + parsed.host + ":" + parsed.port + "?" + parsed.options;
+  LcmPtr lcm(lcm_create(whole.c_str()));
   // With tcpq LCM starts without a server, and aborts the program later, when it waits for a
   // message on the missing connection.
   if (!lcm || (parsed.is_tcpq && lcm_get_fileno(lcm.get()) < 0)) {

@@ -152,6 +152,7 @@ class Capture {
     Report(Clock::now() - started);
     if (stop_.stop_requested()) return 0;
     if (sent_ == 0) return SayNothingCame();
+    if (monitor_.Snapshot().frames_out == 0) return 1;
     return feed_->lacks_ranges() ? 1 : 0;
   }
 

@@ -75,6 +75,16 @@ TEST(LcmUrl, MayLeaveOutWhatLcmKnowsByItself) {
   }
 }
 
+TEST(OpenLcm, SendsWhereTheUrlLeavesOutPortOrGroup) {
+  for (const std::string url : {"udpm://239.255.76.67?ttl=0", "udpm://:7668", "udpm://?ttl=0"}) {
+    LcmPtr lcm;
+    const std::string error = Thrown<BusError>([&] { lcm = OpenLcm(url); });
+    if (error.starts_with("no multicast route")) GTEST_SKIP() << error;
+    ASSERT_TRUE(lcm) << error;
+    EXPECT_EQ(lcm_publish(lcm.get(), "A", "", 0), 0) << url;
+  }
+}
+
 TEST(OpenLcm, SaysWhenNoServerAnswers) {
   // Port 1 of this host: nothing listens there.
   EXPECT_THAT(ErrorOf("tcpq://127.0.0.1:1"),
