@@ -46,8 +46,8 @@ struct LostFrames {
 };
 
 /// Called by Next() at least ten times a second while it waits for cameras, to show that it is not
-/// stuck. May be empty.
-using Waiting = std::function<void()>;
+/// stuck; with the reason, for people, when there is a new one. May be empty.
+using Waiting = std::function<void(const std::string& reason)>;
 
 /// Where triplets come from: cameras, or what is used like them.
 class TripletSource {

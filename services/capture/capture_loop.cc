@@ -324,12 +324,13 @@ int RunCapture(const ServiceContext& context, const CaptureOptions& options) {
   StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
   Watchdog watchdog;
   const std::shared_ptr<void> warnings = TakeRosWarnings(monitor);
-  std::unique_ptr<CaptureFeed> feed = OpenCaptureFeed(context.config.capture(),
-                                                      {.loop = options.loop,
-                                                       .raw = options.raw,
-                                                       .waiting = [&] { watchdog.Idle(); },
-                                                       .stop = context.stop},
-                                                      monitor);
+  const auto wait = [&](const std::string& reason) {
+    watchdog.Idle();
+    if (!reason.empty()) monitor.Warn(reason);
+  };
+  std::unique_ptr<CaptureFeed> feed = OpenCaptureFeed(
+      context.config.capture(),
+      {.loop = options.loop, .raw = options.raw, .waiting = wait, .stop = context.stop}, monitor);
   if (!feed) return 0;
   return Capture(context, options, monitor, watchdog, std::move(feed)).Run();
 }

@@ -66,7 +66,8 @@ OpenedCameras OpenCameras(const std::string& source, bool loop, scenes::Waiting 
     return opened;
   }
   const auto [place, options] = scenes::SplitSource(source);
-  VideoSettings settings{.places = PlacesOf(source, place), .loop = loop};
+  VideoSettings settings{
+      .places = PlacesOf(source, place), .loop = loop, .waiting = std::move(waiting)};
   OpenedCameras opened;
   for (const scenes::SourceOption& option : options) {
     if (option.name == "rig") {

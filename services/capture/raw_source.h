@@ -41,7 +41,7 @@ bool NamesCameras(const std::string& source);
 ///
 /// @param loop     start files again at the end.
 /// @param waiting  called while cameras of genicam: are waited for; what OpenCV opens waits by
-///                 itself.
+///                 itself, and calls once.
 /// @param calibrated  false: no calibration is looked at, so that a rig whose calibration is
 /// useless
 ///                    can be calibrated again.

@@ -11,7 +11,6 @@
 #include <string_view>
 #include <utility>
 
-#include "common/app/log.h"
 #include "common/app/stage_monitor.h"
 #include "common/config/config_error.h"
 #include "common/core/image.h"
@@ -163,8 +162,8 @@ class VideoSource : public RawSource {
         return frame;
       }
       if (is_live_) {
-        if (trouble.empty()) {
-          LogLine(LogLevel::kWarning, "{}: no picture, is opened again every second", silent_);
+        if (trouble.empty() && settings_.waiting) {
+          settings_.waiting(silent_ + ": no picture, is opened again every second");
         }
         trouble = silent_ + ": no picture, opened again";
         SleepFor(kRetryPeriod, stop);

@@ -19,6 +19,8 @@ struct VideoSettings {
   int bits = 0;                ///< see EightBits
   /// How much later than the left video the right one begins, ms.
   double offset_ms = 0;
+  /// Called once when a device gives nothing any more, but not while that goes on.
+  scenes::Waiting waiting = {};
 };
 
 /// Images of a stereo camera or of recordings, without a clock and without a ToF camera. Images of

@@ -15,6 +15,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/app/log.h"
 #include "common/core/sleep.h"
 #include "common/rig/rig_file.h"
 #include "services/capture/genicam/discovery.h"
@@ -50,6 +51,11 @@ std::ostream& operator<<(std::ostream& out, const Tally& tally) {
              << " without ToF, " << tally.wrong_pairs << " wrong pairs, utime off by at most "
              << tally.worst_error_ms << " ms, spread at most " << tally.worst_spread_ms
              << " ms (truly " << tally.true_spread_ms << " ms); " << tally.troubles;
+}
+
+// What capture does with the reasons for which it waits.
+void Say(const std::string& reason) {
+  if (!reason.empty()) LogLine(LogLevel::kWarning, "{}", reason);
 }
 
 class GenicamRig : public testing::Test {
@@ -244,7 +250,7 @@ TEST_F(GenicamRig, GoesOnWithoutTheTofCameraAndTakesItBack) {
 
 TEST_F(GenicamRig, WaitsForACameraWhoseCableIsPulled) {
   StartCameras();
-  const auto source = capture::OpenGenicam(Description(RigDescription::FREE_RUN), "rig");
+  const auto source = capture::OpenGenicam(Description(RigDescription::FREE_RUN), "rig", Say);
   Take(*source, 3, HasTof);
   log_.Forget();
   std::promise<void> first;  // pairs are counted from there
@@ -271,7 +277,7 @@ TEST_F(GenicamRig, WaitsForACameraWhoseCableIsPulled) {
 TEST_F(GenicamRig, SaysThatAClockJumpedAndGoesOnWithIt) {
   // Backwards, which is told at once; forwards it takes ten readings of the clock, 5 s.
   StartCameras({"--jump", "-1000"});
-  const auto source = capture::OpenGenicam(Description(RigDescription::FREE_RUN), "rig");
+  const auto source = capture::OpenGenicam(Description(RigDescription::FREE_RUN), "rig", Say);
   Take(*source, 3, HasTof);
   rig_.JumpClock("RIGHT");
   const Tally tally = Take(*source, 30);

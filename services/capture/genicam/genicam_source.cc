@@ -28,7 +28,7 @@ using std::chrono::milliseconds;
 constexpr std::ptrdiff_t kMaxWaiting = 16;
 // How often a pair is asked whether it has waited long enough for its ToF image.
 constexpr milliseconds kPoll(10);
-// After kSilence without a frame the log says why, and says it again after each kReminder.
+// After kSilence without a frame it is said why, and again after each kReminder.
 constexpr milliseconds kSilence(2000);
 constexpr milliseconds kReminder(10'000);
 // How long before an exposure the cameras are told of it: much more than a packet's way.
@@ -119,13 +119,13 @@ class GenicamSource : public RawSource {
     while (!stop.stop_requested()) {
       if (std::optional<scenes::CapturedFrame> frame = former_.Next(g_get_real_time()))
         return frame;
-      if (waiting_) waiting_();
+      Wait("");
       for (auto& [place, event] : inbox_.Take(stop)) former_.Add(place, std::move(event));
       if (Clock::now() < next_word) continue;
       next_word = Clock::now() + kReminder;
       // Frames tell it otherwise, but there are none.
       if (const std::string trouble = former_.NewTrouble(); !trouble.empty()) {
-        LogLine(LogLevel::kWarning, "waiting for the cameras: {}", trouble);
+        Wait("waiting for the cameras: " + trouble);
       }
     }
     return std::nullopt;
@@ -137,6 +137,10 @@ class GenicamSource : public RawSource {
       LogLine(LogLevel::kInfo, "{}: {}", PlaceText(place, rig_), event.text);
     }
     inbox_.Push(place, std::move(event));
+  }
+
+  void Wait(const std::string& reason) const {
+    if (waiting_) waiting_(reason);
   }
 
   void StartTriggers() {

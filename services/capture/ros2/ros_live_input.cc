@@ -103,7 +103,7 @@ class LiveInput : public RosInput {
 
   bool Next(RosBytes& message, const std::stop_token& stop, Clock::time_point deadline) override {
     while (!stop.stop_requested()) {
-      if (waiting_) waiting_();
+      if (waiting_) waiting_("");
       LookAround();
       // Topics are read in turn, so that none waits for another one.
       for (size_t i = 0; i < topics_.size(); ++i) {

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include "services/capture/genicam/genicam_source.h"
+
 namespace sprout::capture {
 namespace {
 
@@ -129,6 +131,17 @@ TEST_F(Former, SaysWhyThereIsNoFrame) {
   EXPECT_FALSE(former_.Next(kStartUtime + 60'000));
   EXPECT_THAT(former_.NewTrouble(), HasSubstr("left camera's 1 images and the right one's 1 are "
                                               "within max_spread_ms = 5; trigger = SOFTWARE"));
+}
+
+TEST(GenicamSource, TellsForWhatItWaits) {
+  std::stop_source stop;
+  std::string said;
+  const auto source = OpenGenicam(SomeRig(), "rig", [&](const std::string& reason) {
+    said += reason;
+    if (!reason.empty()) stop.request_stop();
+  });
+  EXPECT_FALSE(source->Next(stop.get_token()));
+  EXPECT_THAT(said, testing::StartsWith("waiting for the cameras: "));
 }
 
 TEST_F(Former, TellsWhenAClockJumps) {
