@@ -5,11 +5,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
 #include <set>
 #include <string_view>
+#include <system_error>
 
 #include "common/core/number_text.h"
 #include "common/core/receive_buffer.h"
@@ -107,7 +109,8 @@ long long Asked(const std::string& url, const std::string& key) {
 // looks up the route.
 bool HasRoute(const sockaddr_in& group) {
   const int fd = socket(AF_INET, SOCK_DGRAM, 0);
-  if (fd < 0) throw BusError("cannot open a UDP socket");
+  if (fd < 0)
+    throw BusError("cannot open a UDP socket (" + std::generic_category().message(errno) + ")");
   const bool connected = connect(fd, reinterpret_cast<const sockaddr*>(&group), sizeof group) == 0;
   close(fd);
   return connected;
