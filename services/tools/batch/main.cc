@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "common/app/compute.h"
+#include "common/app/output_paths.h"
 #include "common/app/program.h"
 #include "common/core/printable.h"
 #include "common/core/signal_watcher.h"
@@ -53,15 +54,15 @@ BatchFolder FolderOf(const std::string& out) {
 class FolderLock {
  public:
   explicit FolderLock(const BatchFolder& folder) {
-    std::error_code error;
-    fs::create_directories(folder.root(), error);
+    RequireWritableFolder("--out", folder.root(), {});
     const fs::path path = folder.root() / "lock";
     descriptor_ = open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666);
     if (descriptor_ < 0) {
       throw ConfigError("--out " + folder.root().string() + ": cannot be written (" +
                         std::generic_category().message(errno) + ")");
     }
-    if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
+    // Some network file systems have no locks.
+    if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
     close(descriptor_);
     throw ConfigError("--out " + folder.root().string() +
                       ": another sprout-batch is running there");
