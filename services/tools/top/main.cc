@@ -1,5 +1,7 @@
+#include <fmt/core.h>
 #include <unistd.h>
 
+#include <cstdint>
 #include <iostream>
 #include <mutex>
 
@@ -8,6 +10,7 @@
 #include "common/app/status_board.h"
 #include "common/bus/channels.h"
 #include "common/bus/receiver.h"
+#include "common/core/reassembly_failures.h"
 #include "common/core/sleep.h"
 #include "common/messages/codec.h"
 
@@ -36,6 +39,16 @@ class Listener {
     return board_.Rows(Clock::now());
   }
 
+  // Since it listens, by the kernel.
+  std::string ReassemblyText() const {
+    const int64_t count = ReassemblyFailures() - failures_before_;
+    if (count <= 0) return "";
+    return fmt::format(
+        "{} times this host could not join the packets of a datagram: packets are lost, or "
+        "net.ipv4.ipfrag_high_thresh is too small\n",
+        count);
+  }
+
   LeftOut left_out() const {
     const std::lock_guard lock(mutex_);
     return board_.left_out();
@@ -49,6 +62,7 @@ class Listener {
   }
 
   mutable std::mutex mutex_;
+  int64_t failures_before_ = ReassemblyFailures();
   StatusBoard board_;
   Receiver receiver_;  // last: stops before the rest is destroyed
 };
@@ -60,7 +74,8 @@ void Show(const Listener& listener, const Options& options, bool screen) {
     return;
   }
   constexpr std::string_view kHome = "\x1b[H\x1b[J";  // cursor to the corner, rest of screen empty
-  const std::string text = BoardText(rows, screen) + LeftOutText(listener.left_out());
+  const std::string text =
+      BoardText(rows, screen) + LeftOutText(listener.left_out()) + listener.ReassemblyText();
   std::cout << (screen ? kHome : "") << text << std::flush;
 }
 
