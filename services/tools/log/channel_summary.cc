@@ -7,6 +7,7 @@
 #include <set>
 
 #include "common/config/config_difference.h"
+#include "common/core/printable.h"
 #include "common/messages/codec.h"
 #include "common/messages/preview.h"
 
@@ -151,11 +152,14 @@ std::string ConfigDiffText(const ProcessSummary& a, const ProcessSummary& b) {
     const ProcessInfo* const in_b = b.NewestOf(stage);
     if (in_b == nullptr) continue;
     if (in_a.version != in_b->version) {
-      text += fmt::format("{}: version {} in A, {} in B\n", stage, in_a.version, in_b->version);
+      text += Printable(
+                  fmt::format("{}: version {} in A, {} in B", stage, in_a.version, in_b->version)) +
+              "\n";
     }
     for (const auto& [key, value_a, value_b] :
          ConfigDifferences(in_a.config_text, in_b->config_text)) {
-      text += fmt::format("{}: {} = {} in A, {} in B\n", stage, key, value_a, value_b);
+      text +=
+          Printable(fmt::format("{}: {} = {} in A, {} in B", stage, key, value_a, value_b)) + "\n";
     }
   }
   return text;

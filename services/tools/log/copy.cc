@@ -148,7 +148,7 @@ class MemoryHint {
 };
 
 void PrintWritten(const LogWriter& out, const std::filesystem::path& path, int64_t events) {
-  std::cout << fmt::format("{}: {} of {} events\n", path.string(), out.events(), events);
+  std::cout << fmt::format("{}: {} of {} events\n", Printable(path.string()), out.events(), events);
 }
 
 using Bytes = std::vector<uint8_t>;
@@ -268,7 +268,7 @@ int RunRepair(const RepairOptions& options) {
   }
   std::cout << report
             << fmt::format("{}: {} events; {} bytes of {} lost in {} place{}, {} undecodable {}\n",
-                           options.out.string(), out.events(), lost_bytes, reader.size(),
+                           Printable(options.out.string()), out.events(), lost_bytes, reader.size(),
                            reader.damage().size(), reader.damage().size() == 1 ? "" : "s",
                            undecodable, options.drop_undecodable ? "dropped" : "kept");
   return 0;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <tuple>
 
+#include "common/core/printable.h"
 #include "common/logfile/log_reader.h"
 #include "services/tools/log/commands.h"
 #include "services/tools/log/event_stream.h"
@@ -196,7 +197,7 @@ void LogDiff::AddDifference(const EventKey& key, const std::string& text) {
 
 void LogDiff::Print(const std::string& line) {
   progress_.Clear();
-  std::cout << line << "\n";
+  std::cout << Printable(line) << "\n";
 }
 
 std::string LogDiff::Report() const {
@@ -228,15 +229,16 @@ std::string LogDiff::Report() const {
   }
   remarks += ConfigDiffText(streams_[0].processes(), streams_[1].processes());
   if (names_.files() > 0) {
-    remarks += fmt::format("{}: {} pictures{}\n", options_.images.string(), names_.files(),
-                           names_.OthersText());
+    remarks += fmt::format("{}: {} pictures{}\n", Printable(options_.images.string()),
+                           names_.files(), names_.OthersText());
   }
   text += remarks.empty() ? "" : "\n" + remarks;
   if (IsEqual()) return text + (options_.common ? "equal in what both have\n" : "equal\n");
   // This is so for a recording and the replay of one of its stages.
   const bool shared_is_equal = HasShared() && IsSharedEqual();
-  return text + "first difference: " + FrameText(first_->key) + ": " + first_->text + "\n" +
-         "different" + (shared_is_equal ? ", but equal in what both have (--common)\n" : "\n");
+  return text + "first difference: " + Printable(FrameText(first_->key) + ": " + first_->text) +
+         "\n" + "different" +
+         (shared_is_equal ? ", but equal in what both have (--common)\n" : "\n");
 }
 
 bool LogDiff::IsSharedEqual() const {

@@ -14,6 +14,7 @@
 #include "common/app/status_board.h"
 #include "common/config/config.h"
 #include "common/core/frame.h"
+#include "common/core/printable.h"
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"
 #include "services/tools/log/channel_summary.h"
@@ -173,7 +174,8 @@ std::string Remarks(const LogSummary& log) {
       text += fmt::format("{}: frame numbers began anew, times: {}\n", name, sequence.restarts());
     }
     if (channel.undecodable() > 0) {
-      text += fmt::format("{}: first undecodable message: {}\n", name, channel.first_error());
+      text += fmt::format("{}: first undecodable message: {}\n", name,
+                          Printable(channel.first_error()));
     }
   }
   if (log.set_back > 0) {
@@ -196,8 +198,9 @@ std::string ProcessTable(const LogSummary& log) {
   std::string text =
       fmt::format("\n{:<12} {:<22} {:<18} host\n", "process", "version", "configuration");
   for (const ProcessInfo& process : log.processes.processes()) {
-    text += fmt::format("{:<12} {:<22} {:<18} {}\n", process.stage, process.version,
-                        process.config_digest, process.host.empty() ? "(replay)" : process.host);
+    text += fmt::format("{:<12} {:<22} {:<18} {}\n", Printable(process.stage),
+                        Printable(process.version), Printable(process.config_digest),
+                        process.host.empty() ? "(replay)" : Printable(process.host));
   }
   return text;
 }
@@ -213,15 +216,14 @@ std::string ConfigTexts(const LogSummary& log) {
   std::set<std::string> printed;
   for (const ProcessInfo& process : log.processes.processes()) {
     if (!printed.insert(process.config_digest).second) continue;
-    text += fmt::format("\nconfiguration {} of {}:\n{}", process.config_digest, process.stage,
-                        process.config_text);
+    text += fmt::format("\nconfiguration {} of {}:\n{}", Printable(process.config_digest),
+                        Printable(process.stage), PrintableLines(process.config_text));
   }
   return text.empty() ? "\nno configuration is in the log (SPROUT_PROCESS)\n" : text;
 }
 
 std::string Text(const LogSummary& log, const InfoOptions& options) {
-  const std::filesystem::path& file = options.file;
-  std::string text = fmt::format("{}: {:.2f} MB, {} events", file.string(),
+  std::string text = fmt::format("{}: {:.2f} MB, {} events", Printable(options.file.string()),
                                  static_cast<double>(log.bytes) / 1e6, log.events);
   if (log.events > 0) {
     text += fmt::format(" in {:.3f} s\nfirst {}\nlast  {}\n\n{}", Seconds(log, log.last_utime),

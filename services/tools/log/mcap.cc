@@ -319,7 +319,7 @@ int RunMcapExport(const PicturesOptions& options, const std::filesystem::path& o
   WarnOfDamage(options.file, reader.damage());
   const std::string complaint = exporter.Complaint();
   if (!complaint.empty())
-    std::cerr << "sprout-log: " << options.file.string() << ": " << complaint << "\n";
+    std::cerr << "sprout-log: " << Printable(options.file.string() + ": " + complaint) << "\n";
   McapWriter& writer = exporter.Finish();
   if (writer.messages() == 0) {
     throw LogError(options.file, "no message of these frames that ROS knows" + exporter.Hint());
@@ -327,7 +327,7 @@ int RunMcapExport(const PicturesOptions& options, const std::filesystem::path& o
   const uint64_t messages = writer.messages();
   if (const Result<void> done = writer.Commit(); !done)
     throw ConfigError("export: " + done.error().text);
-  std::cout << fmt::format("{}: {} messages\n", out.string(), messages);
+  std::cout << fmt::format("{}: {} messages\n", Printable(out.string()), messages);
   return 0;
 }
 

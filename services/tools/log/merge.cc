@@ -11,6 +11,7 @@
 
 #include "common/core/digest.h"
 #include "common/core/output_file.h"
+#include "common/core/printable.h"
 #include "common/logfile/log_error.h"
 #include "common/logfile/log_reader.h"
 #include "common/logfile/log_writer.h"
@@ -130,7 +131,7 @@ int RunMerge(const MergeOptions& options) {
   progress.Clear();
   for (const auto& log : logs) WarnOfDamage(log->path(), log->reader().damage());
   out.Close();
-  std::cout << fmt::format("{}: {} of {} events\n", options.out.string(), out.events(),
+  std::cout << fmt::format("{}: {} of {} events\n", Printable(options.out.string()), out.events(),
                            out.events());
   return 0;
 }

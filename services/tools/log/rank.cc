@@ -13,6 +13,7 @@
 
 #include "common/config/config_error.h"
 #include "common/core/joined.h"
+#include "common/core/printable.h"
 #include "common/logfile/log_error.h"
 #include "common/measure/frame_quality.h"
 #include "common/picture/frame_pictures.h"
@@ -89,7 +90,7 @@ void Ranking::Read() {
                                               "answers of the stages, such as SPROUT_DISPARITY{}",
                                               by_.name, complaint.empty() ? "" : "; " + complaint));
   }
-  if (!complaint.empty()) std::cerr << "sprout-log: " << complaint << "\n";
+  if (!complaint.empty()) std::cerr << "sprout-log: " << Printable(complaint) << "\n";
   if (without_images_ == 0) return;
   // (Q2) takes an unknown misfit for a perfect one.
   std::cerr << fmt::format(
@@ -178,8 +179,9 @@ void Ranking::WritePictures() const {
     if (worst.contains({frame.id.utime, frame.id.seq}))
       WriteFramePictures(frame, {}, names.For(frame.id));
   });
-  std::cerr << fmt::format("{}: {} pictures of the {} worst frames{}\n", options_.folder.string(),
-                           names.files(), names.frames(), names.OthersText());
+  std::cerr << fmt::format("{}: {} pictures of the {} worst frames{}\n",
+                           Printable(options_.folder.string()), names.files(), names.frames(),
+                           names.OthersText());
 }
 
 int RunRank(const RankOptions& options) {

@@ -6,6 +6,8 @@
 #include <iostream>
 #include <utility>
 
+#include "common/core/printable.h"
+
 namespace sprout::log {
 namespace {
 
@@ -40,7 +42,7 @@ void WarnOfDamage(const std::filesystem::path& path, const std::vector<LogDamage
   for (const LogDamage& stretch : damage) bytes += stretch.bytes;
   std::cerr << fmt::format(
       "sprout-log: {} is damaged in {} place{}, {} bytes were skipped; see sprout-log info\n",
-      path.string(), damage.size(), damage.size() == 1 ? "" : "s", bytes);
+      Printable(path.string()), damage.size(), damage.size() == 1 ? "" : "s", bytes);
 }
 
 }  // namespace sprout::log

@@ -247,6 +247,26 @@ TEST(ProcessesOfALog, AreNoDifferenceOfTheAnswersButShown) {
   EXPECT_THAT(RunLog({"diff", a, a}).out, Not(HasSubstr("sigma_p_px")));
 }
 
+// Whoever reaches the port chose the texts of the messages.
+TEST(TextsOfALog, CannotMoveTheCursorOfATerminal) {
+  const LogFolder folder;
+  std::vector<Event> events = GraphEvents(1);
+  const std::string before = folder.Write("a", events);
+  events.push_back(ProcessEvent(0, "grow\x1b[2J\nno damage", "\x1b[2J"));
+  FrameId id = LogFrameId(0);
+  id.rig_id = "\x1b[2J";
+  EventOf(events, Part::kTof, 0).data =
+      EncodePart(id, Part::kTof, LogValue(Part::kTof, 0), DisparityEncoding::kRawInt16);
+  const std::string log = folder.Write("\x1b[2J", events);
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"info", "--config", log}, {"diff", before, log}}) {
+    const std::string out = RunLog(words).out;
+    EXPECT_THAT(out, HasSubstr("\\x1b[2J"));
+    EXPECT_THAT(out, Not(HasSubstr("\x1b")));
+  }
+  EXPECT_THAT(RunLog({"info", log}).out, HasSubstr("\\x0ano damage"));
+}
+
 TEST(ProcessesOfALog, StayWithFramesThatAreCutOut) {
   const LogFolder folder;
   const std::string log = folder.Write("run.lcm", EventsWithProcesses("0.8"));
