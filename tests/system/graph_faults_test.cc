@@ -172,6 +172,18 @@ TEST(FullDiskSystem, RecordSaysSoAndKeepsTheLog) {
   EXPECT_GT(EventsIn(folder / "disk/run.lcm"), 20);
 }
 
+TEST(FullDiskSystem, RecordDoesNotBlameACaptureThatRuns) {
+  const TemporaryDirectory folder;
+  const SmallDisk disk(folder / "disk", "200k");
+  if (!disk.mounted()) GTEST_SKIP() << "no file system can be mounted here";
+  Graph graph;
+  graph.Start("capture", {"--source", "synthetic:640x480", "--rate", "10"});
+  Process record({std::string(SPROUT_SOURCE_DIR) + "/scripts/record", "--dir", folder / "disk"});
+  EXPECT_EQ(record.Wait(std::chrono::seconds(60)), 1);
+  EXPECT_THAT(record.Output(), HasSubstr("No space left on device"));
+  EXPECT_THAT(record.Output(), testing::Not(HasSubstr("is capture running")));
+}
+
 TEST(FullDiskSystem, AReplaySaysSoAndKeepsNothingUnderTheNameOfTheLog) {
   const TemporaryDirectory folder;
   const SmallDisk disk(folder / "disk", "4k");
