@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdint>
 #include <fstream>
 #include <iostream>
@@ -65,6 +66,7 @@ std::optional<std::string> AddressSpaceText() {
 }  // namespace
 
 int RunProgram(Flags& flags, int argc, const char* const* argv, const std::function<int()>& body) {
+  std::signal(SIGXFSZ, SIG_IGN);  // beyond `ulimit -f`: a failed write, not the end of the process
   const InputFileGuard guard;
   const int exit_code = RunBody(flags, argc, argv, body);
   if (std::cout.flush()) return exit_code;

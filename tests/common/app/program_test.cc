@@ -4,11 +4,13 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <fstream>
 #include <new>
 #include <system_error>
 
 #include "common/app/help_text.h"
+#include "common/app/output_paths.h"
 
 namespace sprout {
 namespace {
@@ -99,6 +101,24 @@ TEST(HelpText, BreaksLinesAtSpacesAndCountsCharacters) {
   std::string hundred;
   for (int i = 0; i < 50; ++i) hundred += "×ü";
   EXPECT_EQ(WrapLines(hundred + "\n", 30), hundred + "\n");
+}
+
+// Ends as a program does whose file is to become larger than allowed.
+[[noreturn]] void WriteBeyondTheLimit(const std::string& path) {
+  const rlimit limit{.rlim_cur = 100'000, .rlim_max = 100'000};
+  setrlimit(RLIMIT_FSIZE, &limit);
+  Flags flags("sprout-x", "");
+  const char* const argv[] = {"sprout-x"};
+  std::_Exit(RunProgram(flags, 1, argv, [&] {
+    WriteWhole(path, std::string(200'000, 'x'));
+    return 0;
+  }));
+}
+
+TEST(RunProgram, SaysWhichFileIsTooLarge) {
+  const std::string path = testing::TempDir() + "too_large";
+  EXPECT_EXIT(WriteBeyondTheLimit(path), ExitedWithCode(1), "too_large: File too large");
+  EXPECT_FALSE(std::filesystem::exists(path));
 }
 
 // Says on stderr what a failing thread is put down to when a limit is so low.
