@@ -4,10 +4,10 @@
 #include <chrono>
 #include <cmath>
 #include <iostream>
-#include <limits>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -40,10 +40,14 @@ struct LogSummary {
   std::string other_channel;  // one of another graph
   int64_t set_back = 0;       // how often the clock was
   double set_back_s = 0;      // by how much, at most
+  double pause_s = 0;         // the longest time without any event
 };
 
 // Messages may change places by less.
 constexpr double kLeastSetBackS = 1;
+
+// Statuses come once a second.
+constexpr double kLeastPauseS = 60;
 
 // The clock of the board is that of the log.
 StatusBoard::Clock::time_point TimeOf(int64_t utime) {
@@ -71,10 +75,12 @@ LogSummary Summarize(const InfoOptions& options) {
   LogSummary log;
   log.bytes = reader.size();
   ReadProgress progress("reading " + options.file.string(), reader.size());
-  int64_t newest_utime = std::numeric_limits<int64_t>::min();
+  std::optional<int64_t> newest_utime;
   for (LogEvent event; reader.Next(event); progress.Update(reader.position())) {
-    const auto before = static_cast<double>(std::exchange(newest_utime, event.utime));
-    const double set_back_s = (before - static_cast<double>(event.utime)) / 1e6;
+    const int64_t before = std::exchange(newest_utime, event.utime).value_or(event.utime);
+    const double set_back_s =
+        (static_cast<double>(before) - static_cast<double>(event.utime)) / 1e6;
+    log.pause_s = std::max(log.pause_s, -set_back_s);
     if (set_back_s > kLeastSetBackS) {
       ++log.set_back;
       log.set_back_s = std::max(log.set_back_s, set_back_s);
@@ -182,6 +188,12 @@ std::string Remarks(const LogSummary& log) {
     text += fmt::format(
         "the clock was set back, times: {}, by {:.3f} s at most: times and rates above are wrong\n",
         log.set_back, log.set_back_s);
+  }
+  if (log.pause_s > kLeastPauseS) {
+    text += fmt::format(
+        "no message for {:.3f} s: a pause, or the clock was set forward; rates above are over all "
+        "that time\n",
+        log.pause_s);
   }
   for (size_t i = 0; i < std::min(log.damage.size(), kShownDamage); ++i) {
     text += "damage: " + DamageText(log.damage[i]) + "\n";

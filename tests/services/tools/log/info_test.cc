@@ -104,6 +104,13 @@ TEST_F(LogInfo, CountsFramesBehindAClockThatWasSetBack) {
   EXPECT_THAT(out, HasSubstr("SPROUT_LEFT: frames left out: 2\n"));
 }
 
+TEST_F(LogInfo, TellsWhenTheClockWasSetForward) {
+  auto events = GraphEvents(5);
+  events.back().utime += 7'200'000'000;
+  EXPECT_THAT(RunLog({"info", folder_.Write("log", events)}).out,
+              HasSubstr("\nno message for 7200.000 s: a pause, or the clock was set forward"));
+}
+
 TEST_F(LogInfo, FindsMessagesThatCannotBeDecoded) {
   auto events = GraphEvents(4);
   EventOf(events, Part::kLeft, 2).data.pop_back();
