@@ -180,6 +180,13 @@ std::vector<std::string> ReasonsAgainst(const SceneRefinement& refinement) {
         "{} changed by {:+.{}f} {}, which is no knock any more: calibrate with the board", row.name,
         row.per_unit * change, row.digits, row.unit));
   }
+  if (const double yaw = refinement.adjusted.change[kYaw]; yaw != 0 && !refinement.curve.empty()) {
+    const RigNumberRow& row = RowOf(kYaw);
+    reasons.push_back(fmt::format(
+        "{} by {:+.{}f} {} would leave errors of the ToF ranges that it cannot make: is the range "
+        "sensor right (scale, offset)?",
+        row.name, row.per_unit * yaw, row.digits, row.unit));
+  }
   const auto most = std::ranges::max_element(
       refinement.curve, {}, [](const CorrectionKnot& knot) { return std::abs(knot.offset_m); });
   if (most != refinement.curve.end() &&

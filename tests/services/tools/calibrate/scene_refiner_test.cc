@@ -236,6 +236,16 @@ TEST(SceneRefiner, BelievesNoCurveThatNoSensorHas) {
   EXPECT_THAT(ReasonsAgainst(refinement), ElementsAre(HasSubstr("dark surfaces changed by +90.0")));
 }
 
+// Ranges that are 40 mm, or 5 %, too long were answered by a yaw of the pair, which was right.
+TEST(SceneRefiner, BelievesNoYawThatLeavesErrorsOfTheRanges) {
+  SceneRefinement refinement;
+  refinement.adjusted.change[kYaw] = 0.2 * kDegree;
+  EXPECT_TRUE(ReasonsAgainst(refinement).empty());
+  refinement.curve = {{1.6, -0.015, 0.003}, {2.3, 0.023, 0.004}};
+  EXPECT_THAT(ReasonsAgainst(refinement),
+              ElementsAre(HasSubstr("yaw by +0.2000 ° would leave errors of the ToF ranges")));
+}
+
 TEST(SceneRefiner, SaysThatAToFCameraIsNotSeen) {
   SceneRefinement refinement;
   refinement.rig.tof.width = 176;  // its ranges are noise, say
