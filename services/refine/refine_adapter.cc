@@ -64,6 +64,13 @@ std::string SmoothingText(const Smoothing& smoothing) {
       smoothing.edge_width, 100 * smoothing.dropped_share);
 }
 
+std::string FatteningText(const Fattening& fattening) {
+  return fmt::format(
+      "near surfaces of the range image reach up to {} pixels beyond their edges: the {:.0f} % of "
+      "its points there are not believed",
+      fattening.width, 100 * fattening.dropped_share);
+}
+
 std::string PlaceText(const SensorPlace& place) {
   const std::string where =
       place.scale != 1
@@ -262,6 +269,7 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
     PutFirst(outcome, ContradictionText(refiner_.contradiction()));
   }
   if (refiner_.smoothing()) PutFirst(outcome, SmoothingText(refiner_.smoothing()));
+  if (refiner_.fattening()) PutFirst(outcome, FatteningText(refiner_.fattening()));
   if (refiner_.scan_move().is_off) PutFirst(outcome, ScanMoveText(refiner_.scan_move()));
   outcome.outputs.push_back({Part::kSeeds, *std::move(seeds)});
   outcome.outputs.push_back({Part::kLeftSeeds, refiner_.left_seeds()});

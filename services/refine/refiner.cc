@@ -93,6 +93,7 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   place_ = {};
   against_ = {};
   smoothing_ = {};
+  fattening_ = {};
   unanswered_cells_ = 0;
   are_noise_ = false;
   left_seeds_.seeds.clear();
@@ -156,11 +157,16 @@ void Refiner::Align(const cv::Mat1b& left, const cv::Mat1b& right, const TofImag
 }
 
 // Without stereo nothing would take their place.
-void Refiner::DropSmoothed(const Rig& rig, SeedSet& result) {
+void Refiner::DropBesideEdges(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig,
+                              SeedSet& result) {
   if (!surface_.has_pixels() || !config_.stereo_seeds()) return;
   const auto before = std::ssize(points_);
-  smoothing_ = refine::DropSmoothed(surface_, points_);
-  if (!smoothing_) return;
+  smoothing_ = DropSmoothed(surface_, points_);
+  if (!smoothing_) {
+    const double noise_px = surface_.Noise(points_).middle_px;
+    fattening_ = DropFattened(surface_, left, right, noise_px, points_);
+  }
+  if (!smoothing_ && !fattening_) return;
   result.contradicted += static_cast<int32_t>(before - std::ssize(points_));
   surface_.Set(rig, points_);
 }
@@ -169,7 +175,7 @@ void Refiner::DropSmoothed(const Rig& rig, SeedSet& result) {
 void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                           const TofProjector& projector, SeedSet& result) {
   const Rig& rig = projector.rig();
-  DropSmoothed(rig, result);
+  DropBesideEdges(left, right, rig, result);
   range_error_ = range_.Apply(
       InputOf(left, right, rig),
       {.field = config_.range_bias() == RefineConfig::FIELD,

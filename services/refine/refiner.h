@@ -19,6 +19,7 @@
 #include "services/refine/stereo/point_surface.h"
 #include "services/refine/stereo/stereo_seeds.h"
 #include "services/refine/surface/background.h"
+#include "services/refine/surface/fattened_edges.h"
 #include "services/refine/surface/smoothed_edges.h"
 #include "services/refine/surface/tof_surface.h"
 #include "services/refine/unwrapping/range_unwrapper.h"
@@ -95,6 +96,9 @@ class Refiner {
   /// Whether the range image of the last call was smoothed: what lies beside its edges was dropped.
   const Smoothing& smoothing() const { return smoothing_; }
 
+  /// Whether near surfaces of it reached beyond their edges: where they did points were dropped.
+  const Fattening& fattening() const { return fattening_; }
+
   /// Of the stereo seeds of the last call, see StereoSeedFinder.
   size_t unanswered_cells() const { return unanswered_cells_; }
   double ShareBelowZero(const cv::Mat1b& left, const cv::Mat1b& right, int columns) {
@@ -132,7 +136,8 @@ class Refiner {
              const TofProjector& projector);
   void MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                    const TofProjector& projector, SeedSet& result);
-  void DropSmoothed(const Rig& rig, SeedSet& result);
+  void DropBesideEdges(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig,
+                       SeedSet& result);
   bool IsDoubtful(int columns) const;
   bool IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                    const TofProjector& projector);
@@ -158,6 +163,7 @@ class Refiner {
   SensorPlace place_;
   Contradiction against_;  // by stereo
   Smoothing smoothing_;
+  Fattening fattening_;
   UnsurePoints unsure_;
   RangeNoise noise_;                  // of the points
   std::vector<ProjectedPoint> kept_;  // first those whose window lies in both images

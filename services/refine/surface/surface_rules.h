@@ -84,6 +84,23 @@ struct SurfaceRules {
   static constexpr double kSmoothedPx = 1;
   static constexpr float kSmoothedSigmaPx = 0.4F;
 
+  // Near surfaces that reach beyond their edges.
+  /// Least step from one surface to the other, px, px a px of spacing, and standard deviations of
+  /// the noise.
+  static constexpr double kFattenedPx = 3;
+  static constexpr double kFattenedSteepest = 0.33;
+  static constexpr double kFattenedSigmas = 6;
+  /// Of so many near points beside them more than this share has windows that differ so many times
+  /// less at the disparity beyond: of right and of biased sensors up to 0.30 (simulated SR4000s),
+  /// of those whose map is worse than none 0.36 and more.
+  static constexpr size_t kEdgeSample = 350;
+  static constexpr double kClearlyBetter = 1.3;
+  static constexpr double kWrongEdges = 0.35;
+  /// Edges do not reach so many ToF pixels and px too far: a stale or wrapped part of the image
+  /// does.
+  static constexpr int kMostFattened = 4;
+  static constexpr double kMostFattenedPx = 32;
+
   // Hidden points.
   /// What a piece may lie off beside its point, px of disparity a px: its neighbours show its
   /// slant, not how the surface bends or ends. Measured (NOTES.md).

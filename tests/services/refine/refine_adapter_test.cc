@@ -170,6 +170,13 @@ TEST(RefineAdapter, SaysThatARangeImageIsSmoothed) {
   EXPECT_THAT(said(), HasSubstr("the range image is smoothed, its depth edges are 3."));
 }
 
+TEST(RefineAdapter, SaysThatNearSurfacesReachTooFar) {
+  BoxScene scene;
+  cv::erode(scene.tof.depth_m, scene.tof.depth_m, cv::Mat1b::ones(3, 3));
+  EXPECT_THAT(RefineAdapter{RefineConfig()}.Process(FrameOf(scene)).range_error.value_or(""),
+              HasSubstr("near surfaces of the range image reach up to 1 pixels beyond"));
+}
+
 TEST(RefineAdapter, SaysWhereADisplacedSensorBelongs) {
   RefineAdapter adapter{RefineConfig()};
   const StageResult displaced = adapter.Process(FrameOf(BoxScene(25)));
