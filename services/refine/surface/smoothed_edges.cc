@@ -41,18 +41,26 @@ void AddWidths(const TofSurface& surface, cv::Point cell, const cv::Point& way, 
   end_edge();
 }
 
+// Of the edges along these lines; those that are no slants stay.
+double SharpestOf(std::vector<double>& widths) {
+  std::erase_if(widths, [](double width) { return width > SurfaceRules::kWidestEdge; });
+  return widths.size() < SurfaceRules::kFewestEdges
+             ? 1
+             : Quantile(widths, SurfaceRules::kSharpestEdges);
+}
+
+// Along columns alone slanted floors look like edges; along rows a pixel that sees both surfaces
+// makes two steps of one, at an upright edge in all of them.
 double EdgeWidth(const TofSurface& surface) {
   std::vector<double> widths;
   for (int y = 0; y < surface.rows(); ++y) {
     AddWidths(surface, {0, y}, {1, 0}, surface.columns(), widths);
   }
+  const double along_rows = SharpestOf(widths);
   for (int x = 0; x < surface.columns(); ++x) {
     AddWidths(surface, {x, 0}, {0, 1}, surface.rows(), widths);
   }
-  std::erase_if(widths, [](double width) { return width > SurfaceRules::kWidestEdge; });
-  return widths.size() < SurfaceRules::kFewestEdges
-             ? 1
-             : Quantile(widths, SurfaceRules::kSharpestEdges);
+  return along_rows > SurfaceRules::kMixedWidth ? along_rows : SharpestOf(widths);
 }
 
 bool IsBesideEdge(const TofSurface& surface, const ProjectedPoint& point, int reach) {

@@ -79,6 +79,9 @@ struct SurfaceRules {
   /// over all of a pixel; 1.46 and more after a Gaussian of 0.7 pixels.
   static constexpr double kSharpestEdges = 0.25;
   static constexpr double kSmoothedWidth = 1.45;
+  /// Along rows alone more than a pixel that sees two surfaces makes, 2: exact ranges, and means
+  /// over all of a pixel, have up to 1.30; 2.37 and more after a Gaussian of 1.5 pixels along them.
+  static constexpr double kMixedWidth = 2.1;
   /// By how much what lies beside a point of a smoothed image may be off its plane, px, and what
   /// the points that stay are believed to err alike, one standard deviation.
   static constexpr double kSmoothedPx = 1;

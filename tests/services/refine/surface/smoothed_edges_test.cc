@@ -56,6 +56,14 @@ TEST(SmoothedEdges, AreAsWideAsTheFilter) {
   }
 }
 
+TEST(SmoothedEdges, AreThoseAlongRowsAlone) {
+  cv::Mat1f disparities;
+  cv::GaussianBlur(Boards(), disparities, {}, 1.5, 0.01);
+  Smoothing smoothing;
+  Left(disparities, smoothing);
+  EXPECT_NEAR(smoothing.edge_width, 3.75, 0.9);
+}
+
 TEST(SmoothedEdges, AreNoneOfASharpImage) {
   Smoothing smoothing;
   cv::Mat1f mixed;  // each pixel sees as much of both surfaces as lies in it
