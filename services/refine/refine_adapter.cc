@@ -244,12 +244,14 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
     const auto percent = std::lround(100 * error.contradicted_share);
     AddLine(outcome, "the images contradict the range points in " + std::to_string(percent) +
                          " % of the places where they could show it: none is believed");
+  } else if (error.rows_unfit) {
+    AddLine(outcome,
+            "the images fit the range points better on other rows than on their own, so they "
+            "contradict none of them: is the pair rectified?");
   } else if (error.pair_unfit) {
     AddLine(outcome,
-            fmt::format("the images fit neither the range points nor each other in {:.0f} % of the "
-                        "places where they could show it, so they say nothing of the range sensor: "
-                        "are the pair's calibration, focus, exposure and moment right?",
-                        100 * error.contradicted_share));
+            "the images fit neither the range points nor each other, so they say nothing of the "
+            "range sensor: are the pair's calibration, focus, exposure and moment right?");
   }
   if (error.absurd) {
     AddLine(outcome,

@@ -114,7 +114,9 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
     KeepReliable(left, right, tof, result);
     KeepVisible(left, right, result);
   }
-  if (config_.stereo_seeds()) {
+  const bool nothing_fits =
+      range_error_.pair_unfit && range_error_.contradicted_share > RangeRules::kNothingFits;
+  if (config_.stereo_seeds() && !nothing_fits) {
     const double spacing_px = points_.empty() ? 0 : surface_.spacing_px();
     const bool dense = !points_.empty() && !stereo_.IsCoarse(spacing_px, left.cols);
     // A sensor that is refused for its place was found wrong with all of them.
@@ -182,6 +184,12 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
        .error_m = config_.range_error_m(),
        .matches = [&] { return stereo_.Find(left, right, {}, {}, 0, zones_.most_px()); }},
       points_);
+  // By images that do not fit each other on any rows no sensor is put right.
+  if (range_error_.pair_unfit && !range_error_.rows_unfit && tof_offset_.IsOff()) {
+    ApplyOffset({.du_px = -tof_offset_.du_px, .dv_px = -tof_offset_.dv_px}, rig, points_);
+    tof_offset_ = {};
+    surface_.Set(rig, points_);
+  }
   for (ProjectedPoint& point : points_) {
     if (smoothing_)
       point.seed.sigma_px = std::hypot(point.seed.sigma_px, SurfaceRules::kSmoothedSigmaPx);

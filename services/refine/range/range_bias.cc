@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/core/parallel.h"
+#include "services/refine/range/pair_fit.h"
 #include "services/refine/range/range_costs.h"
 #include "services/refine/range/range_nodes.h"
 #include "services/refine/stereo/point_surface.h"
@@ -131,6 +132,24 @@ bool RangeBias::MatchesElsewhere(const RangeInput& input, std::span<const Seed> 
          RangeRules::kMatchedShare * static_cast<double>(contradicted);
 }
 
+// Whether nothing can be estimated, since too much is wrong with the points or with the pair. Right
+// frames do not take the time.
+bool RangeBias::JudgePair(const RangeInput& input, const RangeSettings& settings) {
+  const bool many = error_.contradicted_share > RangeRules::kRejectedShare;
+  const bool doubtful = !curve_.is_zero() || field_.variance_px2() > 0 ||
+                        error_.contradicted_share > RangeRules::kDoubtfulShare;
+  const PairFit fit = doubtful && input.surface.has_pixels() ? PairFitAt(input, nodes_) : PairFit{};
+  const bool on_other_rows = fit.rows_gain > RangeRules::kRowsGain;
+  error_.rows_unfit = on_other_rows && !many;
+  const bool asks_stereo = many || fit.cost > RangeRules::kPoorCost;
+  error_.pair_unfit =
+      on_other_rows || (asks_stereo && !MatchesElsewhere(input, settings.matches()));
+  error_.rejected = many && !error_.pair_unfit;
+  const bool shows_nothing = error_.pair_unfit && !error_.rows_unfit;
+  if (shows_nothing) error_.curve.clear();
+  return error_.rejected || shows_nothing;
+}
+
 // Marks where points have to be asked for: within reach of a node that moves, is unsure or is
 // contradicted. With a sensor that is right there is none.
 bool RangeBias::MarkAsked() {
@@ -252,15 +271,12 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
     for (const RangeNode& node : nodes) start_px_.push_back(curve_.OffsetPx(pair, node.disparity));
     field_.Estimate(nodes_, start_px_, has_slopes);
     error_.contradicted_share = JudgeNodes();
-    if (error_.contradicted_share > RangeRules::kRejectedShare) {
-      error_.rejected = MatchesElsewhere(input, settings.matches());
-      error_.pair_unfit = !error_.rejected;
-      if (error_.pair_unfit) error_.curve.clear();
+    if (JudgePair(input, settings)) {
       contradicted_.assign(points.size(), error_.rejected ? 1 : 0);
       return error_;
     }
     // By then all may seem to fit: who looks far enough finds a likeness anywhere.
-    if (LookAgain(input)) JudgeNodes();
+    if (!error_.rows_unfit && LookAgain(input)) JudgeNodes();
   }
   // Few points can hardly show that their sensor is off; so they have to show that it is not.
   const bool is_right =
@@ -268,7 +284,7 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
   const auto curve_sigma_px = [&](double disparity) {
     return is_right ? 0 : std::min(curve_.SigmaPx(pair, disparity), data_sheet_px(disparity));
   };
-  const bool has_field = settings.field && MarkAsked();
+  const bool has_field = settings.field && !error_.rows_unfit && MarkAsked();
   if (!has_field && curve_.is_zero()) {
     for (ProjectedPoint& point : points) {
       point.seed.sigma_px = static_cast<float>(curve_sigma_px(point.seed.disparity()));

@@ -20,15 +20,17 @@ namespace sprout::refine {
 struct RangeError {
   /// What all points share, as a function of depth; empty: the images show nothing.
   std::vector<RangeKnot> curve;
-  bool curve_is_zero = true;   ///< an error is not significant
+  bool curve_is_zero = true;  ///< an error is not significant
   double moved_share = 0;      ///< of the points, 0 to 1
   double far_moved_share = 0;  ///< the same of those moved by more than kFarMovePx
   /// Of those that the scene moved by more than kFarMovePx, beside what the curve moves all by.
   double far_from_curve_share = 0;
   double contradicted_share = 0;  ///< of the places that have texture to judge by, 0 to 1
   bool rejected = false;          ///< too many of them: no point is believed
-  /// Too many of them, but the images match nowhere else either: they show nothing of the sensor.
+  /// The images contradict no sensor: they differ too much, and match nowhere else either; or they
+  /// match on other rows.
   bool pair_unfit = false;
+  bool rows_unfit = false;  ///< the latter, few contradicted: they show the curve
   /// The curve is farther from 0 than a sensor's error can be, at this knot: no point is believed.
   std::optional<RangeKnot> absurd = std::nullopt;
 
@@ -68,6 +70,7 @@ class RangeBias {
 
   bool LookAgain(const RangeInput& input);
   double JudgeNodes();
+  bool JudgePair(const RangeInput& input, const RangeSettings& settings);
   bool MatchesElsewhere(const RangeInput& input, std::span<const Seed> matches) const;
   bool MarkAsked();
   PointError ErrorOf(const TofSurface& surface, const ProjectedPoint& point) const;

@@ -126,6 +126,22 @@ struct RangeRules {
   /// striped, negative, of different focus or of different scenes.
   static constexpr double kMatchedShare = 0.4;
   static constexpr double kMatchReach = 0.01;
+  /// Of frames with less signs of a wrong sensor it is asked, too, if nodes cost more than this in
+  /// the mean: wrong sensors have up to 0.31, a blurred or covered camera 0.32 to 0.68.
+  static constexpr double kPoorCost = 0.35;
+  /// The pair is at fault if its nodes cost less by this part with rows of the right image so many
+  /// px further down, in each of so many blocks across and down with the best ones. Right rows have
+  /// up to 0.05, also with wrong sensors (0.117), rows that are half a px off up to 0.37, one px
+  /// and more 0.31 and more, a turn by 0.3 degrees 0.14 to 0.48. A lidar's slopes are not known
+  /// well enough (right scans have up to 0.2).
+  static constexpr int kRowMoves[] = {0, -1, 1, -2, 2, -4, 4};  // the first one: as they are
+  static constexpr double kRowsGain = 0.2;
+  static constexpr int kRowBlocks = 3;
+  static constexpr size_t kFewestOfFit = 50;  ///< nodes
+  static constexpr size_t kMostOfFit = 400;
+  /// If more nodes than this share fit nowhere, the images show different things: 0.95 and more,
+  /// rows that are off or a blurred camera up to 0.8. Then stereo gives no seeds either.
+  static constexpr double kNothingFits = 0.9;
 
   // A displaced sensor.
   /// Asked where more nodes than this share are contradicted, or more points were moved far beside

@@ -201,5 +201,23 @@ TEST(Refiner, MovesThePointsOfATofCameraThatIsOff) {
   }
 }
 
+// Edges lie where there are none.
+TEST(Refiner, MovesNoPointsByImagesThatDoNotFitEachOther) {
+  AlignScene scene(*Room(3));
+  cv::flip(scene.right, scene.right, 0);
+  ASSERT_TRUE(scene.Estimate().IsOff());
+  Refiner refiner{RefineConfig()};
+  const SeedSet seeds =
+      refiner.Compute(scene.left, scene.right, scene.tof, scene.projector).value();
+  EXPECT_TRUE(refiner.range_error().pair_unfit);
+  EXPECT_FALSE(refiner.tof_offset().IsOff());
+  EXPECT_EQ(std::ranges::count(seeds.seeds, SeedOrigin::kStereo, &Seed::origin), 0);
+  RefineConfig config;
+  config.set_align_tof(false);
+  const SeedSet unaligned =
+      Refiner(config).Compute(scene.left, scene.right, scene.tof, scene.projector).value();
+  EXPECT_LT(MeanDistance(unaligned, seeds), 0.01);
+}
+
 }  // namespace
 }  // namespace sprout::refine

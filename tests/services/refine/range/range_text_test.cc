@@ -1,0 +1,59 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "services/refine/range/range_bias.h"
+
+namespace sprout::refine {
+namespace {
+
+TEST(RangeText, SaysWhatTheSensorIsOffByInMillimetresAndWhatShareWasMoved) {
+  const RangeError error{.curve = {{0.9, 0.001, 0.002},  // not sure
+                                   {1.2, 0.0102, 0.0008},
+                                   {1.6, -0.0151, 0.0005},
+                                   {2.0, 0.008, 0.001},
+                                   {2.5, 0.02, std::numeric_limits<double>::infinity()}},
+                         .curve_is_zero = false,
+                         .far_moved_share = 0.634};
+  EXPECT_EQ(RangeErrorText(error),
+            "depths of the range sensor are off by +10.2 ± 0.8 mm at 1.20 m, -15.1 ± 0.5 mm at "
+            "1.60 m, +8.0 ± 1.0 mm at 2.00 m; 63 % of its points were moved by more than "
+            "0.25 px. If that stays so: sprout-calibrate refine");
+}
+
+TEST(RangeText, SaysEachDepthOnceAndTheSurestIfNoneIsSure) {
+  RangeError error{.curve = {{1.2, 0.0102, 0.0008}, {1.6, 0.005, 0.0005}},
+                   .curve_is_zero = false,
+                   .far_moved_share = 1};
+  const std::string two = RangeErrorText(error).value();
+  EXPECT_NE(two.find("by +10.2 ± 0.8 mm at 1.20 m, +5.0 ± 0.5 mm at 1.60 m; 100 %"),
+            std::string::npos)
+      << two;
+  error.curve = {{1.2, 0.002, 0.002}, {1.6, 0.002, 0.001}, {2.0, 0, 0.0005}};
+  const std::string one = RangeErrorText(error).value();
+  EXPECT_NE(one.find("by +2.0 ± 1.0 mm at 1.60 m; 100 %"), std::string::npos) << one;
+  // Nothing to calibrate.
+  error.curve = {{1.2, 0.002, 0.003}, {1.6, 0, 0.001}};
+  EXPECT_EQ(RangeErrorText(error),
+            "the range sensor is off, at no depth for sure: 100 % of its points were moved by more "
+            "than 0.25 px");
+}
+
+TEST(RangeText, TellsNothingKnownFromNothingWrongAndFromWhatTheSceneAdds) {
+  EXPECT_EQ(RangeErrorText({}), std::nullopt);
+  RangeError error{.curve = {{1.2, 0, 0.001}}};
+  EXPECT_EQ(RangeErrorText(error), "");
+  error.far_moved_share = 0.004;
+  EXPECT_EQ(RangeErrorText(error), "");
+  error.far_moved_share = 0.2;
+  EXPECT_EQ(RangeErrorText(error),
+            "the range sensor is off as by multi-path: 20 % of its points were moved by more than "
+            "0.25 px");
+  error.rejected = true;
+  EXPECT_EQ(RangeErrorText(error), std::nullopt);
+}
+
+}  // namespace
+}  // namespace sprout::refine
