@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <opencv2/imgproc.hpp>
@@ -55,6 +56,34 @@ std::vector<RangeKnot> ShownKnots(const std::vector<RangeKnot>& curve) {
   if (most != sure.begin()) shown.push_back(*most);
   if (most + 1 < sure.end()) shown.push_back(sure.back());
   return shown;
+}
+
+// The px that a curve moves all points by, if it is known to be about the same at all depths, as of
+// a pair whose right camera is turned: that fits its knots, and an error of so many metres, or of
+// such a part of the depth, does not; else 0.
+double SamePx(const RectifiedPair& pair, std::span<const RangeKnot> curve) {
+  constexpr int kPowers = 3;  // of the depth: metres, a part of it, px
+  std::array<double, kPowers> misfits{};
+  double same = 0;
+  for (int power = 0; power < kPowers; ++power) {
+    const auto shape = [&](const RangeKnot& knot) { return std::pow(knot.depth_m, power); };
+    double weight = 0;
+    double sum = 0;
+    for (const RangeKnot& knot : curve) {
+      const double w = shape(knot) / (knot.sigma_m * knot.sigma_m);
+      sum += w * knot.error_m;
+      weight += w * shape(knot);
+    }
+    same = sum / weight;
+    for (const RangeKnot& knot : curve) {
+      misfits[static_cast<size_t>(power)] +=
+          std::pow((knot.error_m - same * shape(knot)) / knot.sigma_m, 2);
+    }
+  }
+  const double more = std::min(misfits[0], misfits[1]) - misfits[2];
+  constexpr double kSigmas = 1;  // which include what all knots err alike
+  const bool is_same = misfits[2] < static_cast<double>(curve.size()) && more > kSigmas * kSigmas;
+  return is_same ? same * pair.focal_px * pair.baseline_m : 0;
 }
 
 }  // namespace
@@ -314,6 +343,7 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
         std::ranges::count_if(moved_, [&](uint8_t moved) { return (moved & flag) != 0; });
     return static_cast<double>(count) / static_cast<double>(std::max<size_t>(1, points.size()));
   };
+  if (!curve_.is_zero()) error_.same_px = SamePx(pair, error_.curve);
   error_.moved_share = share_of(kMoved);
   error_.far_moved_share = share_of(kMovedFar);
   error_.far_from_curve_share = share_of(kFarFromCurve);
@@ -335,9 +365,15 @@ std::optional<std::string> RangeErrorText(const RangeError& error) {
     knots += fmt::format("{}{:+.1f} ± {:.1f} mm at {:.2f} m", knots.empty() ? "" : ", ",
                          1000 * knot.error_m, 1000 * knot.sigma_m, knot.depth_m);
   }
+  const std::string same = error.same_px == 0
+                               ? ""
+                               : fmt::format(
+                                     ", about {:+.1f} px at all depths, as if not the sensor but "
+                                     "the right camera of the pair were turned",
+                                     error.same_px);
   return fmt::format(
-      "depths of the range sensor are off by {}; {}. If that stays so: sprout-calibrate refine",
-      knots, moved);
+      "depths of the range sensor are off by {}{}; {}. If that stays so: sprout-calibrate refine",
+      knots, same, moved);
 }
 
 }  // namespace sprout::refine

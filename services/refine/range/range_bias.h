@@ -21,6 +21,8 @@ struct RangeError {
   /// What all points share, as a function of depth; empty: the images show nothing.
   std::vector<RangeKnot> curve;
   bool curve_is_zero = true;  ///< an error is not significant
+  /// What the curve moves all points by, px, if it is about the same at all depths; else 0.
+  double same_px = 0;
   double moved_share = 0;      ///< of the points, 0 to 1
   double far_moved_share = 0;  ///< the same of those moved by more than kFarMovePx
   /// Of those that the scene moved by more than kFarMovePx, beside what the curve moves all by.

@@ -307,6 +307,25 @@ TEST(RangeBias, MovesAllPointsAlikeBesideAPairThatIsTurned) {
   }
 }
 
+// A range sensor's errors are about the same in metres; a turned camera's in px.
+TEST(RangeBias, SaysThatAllPointsAreOffByTheSamePx) {
+  const auto same_px = [](const std::function<double(double)>& measured) {
+    Wall wall;
+    wall.Measure([&](const cv::Point2d&, double depth_m) { return measured(depth_m); });
+    Refiner refiner{RefineConfig()};
+    EXPECT_TRUE(refiner.Compute(wall.left, wall.right, wall.tof, TofProjector(wall.rig)));
+    EXPECT_FALSE(refiner.range_error().curve_is_zero);
+    return refiner.range_error().same_px;
+  };
+  const RectifiedPair pair = Wall().rig.pair;
+  EXPECT_NEAR(same_px([&](double depth_m) {
+                return pair.DepthFromDisparity(pair.DisparityFromDepth(depth_m) - 2);
+              }),
+              2, 0.2);
+  EXPECT_EQ(same_px([](double depth_m) { return depth_m + 0.03; }), 0);
+  EXPECT_EQ(same_px([](double depth_m) { return 1.05 * depth_m; }), 0);
+}
+
 // As where the baseline is given as a part of what it is.
 TEST(RangeBias, BelievesNoPointIfRangesAreFartherOffThanASensorCanBe) {
   Wall wall;

@@ -23,6 +23,18 @@ TEST(RangeText, SaysWhatTheSensorIsOffByInMillimetresAndWhatShareWasMoved) {
             "0.25 px. If that stays so: sprout-calibrate refine");
 }
 
+TEST(RangeText, NamesThePairWhereAllIsOffByTheSamePx) {
+  const RangeError error{.curve = {{1.2, 0.0102, 0.0008}, {2.4, 0.0408, 0.0016}},
+                         .curve_is_zero = false,
+                         .same_px = 1.96,
+                         .far_moved_share = 1};
+  EXPECT_EQ(RangeErrorText(error),
+            "depths of the range sensor are off by +10.2 ± 0.8 mm at 1.20 m, +40.8 ± 1.6 mm at "
+            "2.40 m, about +2.0 px at all depths, as if not the sensor but the right camera of the "
+            "pair were turned; 100 % of its points were moved by more than 0.25 px. If that stays "
+            "so: sprout-calibrate refine");
+}
+
 TEST(RangeText, SaysEachDepthOnceAndTheSurestIfNoneIsSure) {
   RangeError error{.curve = {{1.2, 0.0102, 0.0008}, {1.6, 0.005, 0.0005}},
                    .curve_is_zero = false,
