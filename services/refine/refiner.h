@@ -18,6 +18,7 @@
 #include "services/refine/range/sensor_place.h"
 #include "services/refine/stereo/point_surface.h"
 #include "services/refine/stereo/stereo_seeds.h"
+#include "services/refine/stereo/unsure_points.h"
 #include "services/refine/surface/background.h"
 #include "services/refine/surface/fattened_edges.h"
 #include "services/refine/surface/smoothed_edges.h"
@@ -26,27 +27,6 @@
 #include "services/refine/zones/zone_evidence.h"
 
 namespace sprout::refine {
-
-/// Range points of which the images do not show how far they are off, though the sensor is. Where
-/// stereo is surer, it counts instead.
-class UnsurePoints {
- public:
-  /// @param noise  of the points. What their own standard deviation has beside it is an error that
-  ///               neighbours share.
-  /// @returns whether that error, or noise of which the mean over neighbours is still large, is
-  /// such that stereo may be surer. O(1).
-  static bool Is(const Seed& point, const RangeNoise& noise);
-
-  /// Drops unsure points where an interpolation between the others and stereo's seeds is surer than
-  /// they, eq. (R11) of the README.
-  /// @returns how many. O(points + cells); nothing is done if no point is unsure.
-  int Drop(const CellGrid& grid, const RangeNoise& noise, std::span<const Seed> stereo,
-           std::vector<Seed>& points);
-
- private:
-  std::vector<Seed> others_;
-  PointSurface surface_;
-};
 
 /// Turns ToF points into seed correspondences and drops the unreliable ones: by the paper's rules
 /// (II-B) and by two of TofSurface, which a sensor beside the left camera needs. Before that,

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "services/refine/refiner.h"
+#include "services/refine/stereo/unsure_points.h"
 
 namespace sprout::refine {
 namespace {
