@@ -66,9 +66,9 @@ std::string SmoothingText(const Smoothing& smoothing) {
 
 std::string FatteningText(const Fattening& fattening) {
   return fmt::format(
-      "near surfaces of the range image reach up to {} pixels beyond their edges: the {:.0f} % of "
+      "near surfaces of the range image reach up to {} pixel{} beyond their edges: the {:.0f} % of "
       "its points there are not believed",
-      fattening.width, 100 * fattening.dropped_share);
+      fattening.width, fattening.width == 1 ? "" : "s", 100 * fattening.dropped_share);
 }
 
 std::string PlaceText(const SensorPlace& place) {

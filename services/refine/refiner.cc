@@ -141,10 +141,25 @@ void Refiner::DropBesideEdges(const cv::Mat1b& left, const cv::Mat1b& right, con
   smoothing_ = DropSmoothed(surface_, points_);
   if (!smoothing_) {
     const double noise_px = surface_.Noise(points_).middle_px;
+    before_fattening_ = points_;
     fattening_ = DropFattened(surface_, left, right, noise_px, points_);
   }
   if (!smoothing_ && !fattening_) return;
   result.contradicted += static_cast<int32_t>(before - std::ssize(points_));
+  surface_.Set(rig, points_);
+}
+
+// Images that do not fit each other on any rows put no sensor right.
+void Refiner::TakeBack(const Rig& rig, SeedSet& result) {
+  if (fattening_) {
+    result.contradicted -= static_cast<int32_t>(before_fattening_.size() - points_.size());
+    points_ = before_fattening_;
+    fattening_ = {};
+  }
+  if (tof_offset_.IsOff()) {
+    ApplyOffset({.du_px = -tof_offset_.du_px, .dv_px = -tof_offset_.dv_px}, rig, points_);
+    tof_offset_ = {};
+  }
   surface_.Set(rig, points_);
 }
 
@@ -159,17 +174,14 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
        .error_m = config_.range_error_m(),
        .matches = [&] { return stereo_.Find(left, right, {}, {}, 0, zones_.most_px()); }},
       points_);
-  // By images that do not fit each other on any rows no sensor is put right.
-  if (range_error_.pair_unfit && !range_error_.rows_unfit && tof_offset_.IsOff()) {
-    ApplyOffset({.du_px = -tof_offset_.du_px, .dv_px = -tof_offset_.dv_px}, rig, points_);
-    tof_offset_ = {};
-    surface_.Set(rig, points_);
-  }
+  const bool shows_nothing = range_error_.pair_unfit && !range_error_.rows_unfit;
+  if (shows_nothing) TakeBack(rig, result);
   for (ProjectedPoint& point : points_) {
     if (smoothing_)
       point.seed.sigma_px = std::hypot(point.seed.sigma_px, SurfaceRules::kSmoothedSigmaPx);
   }
   AddStepSigma(rig.pair, tof, points_);
+  if (shows_nothing) return;
   const bool displaced = IsDisplaced(left, right, tof, projector);
   if (displaced) range_error_.rejected = true;
   const auto is_contradicted = [&](size_t i) {

@@ -118,6 +118,7 @@ class Refiner {
                    const TofProjector& projector, SeedSet& result);
   void DropBesideEdges(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig,
                        SeedSet& result);
+  void TakeBack(const Rig& rig, SeedSet& result);
   bool IsDoubtful(int columns) const;
   bool IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                    const TofProjector& projector);
@@ -144,6 +145,7 @@ class Refiner {
   Contradiction against_;  // by stereo
   Smoothing smoothing_;
   Fattening fattening_;
+  std::vector<ProjectedPoint> before_fattening_;
   UnsurePoints unsure_;
   RangeNoise noise_;                  // of the points
   std::vector<ProjectedPoint> kept_;  // first those whose window lies in both images

@@ -174,7 +174,7 @@ TEST(RefineAdapter, SaysThatNearSurfacesReachTooFar) {
   BoxScene scene;
   cv::erode(scene.tof.depth_m, scene.tof.depth_m, cv::Mat1b::ones(3, 3));
   EXPECT_THAT(RefineAdapter{RefineConfig()}.Process(FrameOf(scene)).range_error.value_or(""),
-              HasSubstr("near surfaces of the range image reach up to 1 pixels beyond"));
+              HasSubstr("near surfaces of the range image reach up to 1 pixel beyond"));
 }
 
 TEST(RefineAdapter, SaysWhereADisplacedSensorBelongs) {

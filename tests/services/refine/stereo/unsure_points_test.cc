@@ -1,10 +1,10 @@
+#include "services/refine/stereo/unsure_points.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
-
-#include "services/refine/stereo/unsure_points.h"
 
 namespace sprout::refine {
 namespace {

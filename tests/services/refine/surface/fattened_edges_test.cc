@@ -4,6 +4,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "services/refine/refiner.h"
 #include "tests/services/refine/refine_scene.h"
 
 namespace sprout::refine {
@@ -41,6 +42,17 @@ TEST(FattenedEdges, AreNoneOfARightSensor) {
   Fattening fattening;
   EXPECT_EQ(Left(0, fattening).size(), 4800U);
   EXPECT_FALSE(fattening);
+}
+
+TEST(FattenedEdges, AreNotBelievedOfImagesThatFitNothing) {
+  BoxScene scene;
+  cv::flip(scene.right, scene.right, 1);
+  Refiner refiner{RefineConfig()};
+  const auto set = refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig));
+  ASSERT_TRUE(set);
+  EXPECT_TRUE(refiner.range_error().pair_unfit);
+  EXPECT_FALSE(refiner.fattening());
+  EXPECT_EQ(set->contradicted, 0);
 }
 
 }  // namespace
