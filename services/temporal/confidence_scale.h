@@ -17,7 +17,7 @@ class ConfidenceScale {
   /// px², of each confidence.
   const std::array<float, 256>& variances() const { return variances_; }
 
-  /// (T10): what is left of the surer one of two disparities that disagree, px²: both may be wrong,
+  /// (T9): what is left of the surer one of two disparities that disagree, px²: both may be wrong,
   /// not both right.
   /// @param a_px2, b_px2  > 0, of each by itself.
   float VarianceOfSurer(float a_px2, float b_px2) const {

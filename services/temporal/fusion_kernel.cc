@@ -281,7 +281,7 @@ struct Fresh {
   alignas(64) float disparity[kBlock];
   alignas(64) float variance[kBlock];
   alignas(64) float disputed[kBlock];  // variance of a memory that disagrees, or 0
-  alignas(64) float least[kBlock];     // of the variance that is published, (T9)
+  alignas(64) float least[kBlock];     // of the variance that is published, (T10)
 };
 
 HWY_INLINE void Load(const FusionRow& row, int first, Block& block, Fresh& fresh) {

@@ -51,7 +51,7 @@ void SplatCells(const Memory& memory, float* cells);
 void LookUpCells(const Memory& memory, const View<uint8_t>& grey, int cell_row, float* cells,
                  float* differences);
 
-/// How disparities are fused, (T7) to (T9).
+/// How disparities are fused, (T7) to (T10).
 struct FusionRule {
   float gate_sigmas, gate_min_px, gate_max_px, min_gain;
   float shared;  ///< share of a frame's variance that the frames before it do not make surer

@@ -73,7 +73,7 @@ std::vector<SeenPoint> WithDepths(const std::vector<TrackedPoint>& points,
   return seen;
 }
 
-// (T9): matching errs in the same way until the cameras see the scene from elsewhere.
+// (T10): matching errs in the same way until the cameras see the scene from elsewhere.
 float SharedBy(const Pose& motion, double baseline_m) {
   constexpr double kFrames = 5;  // that memory is of, as its gain is at least a fifth
   const double way = kFrames * motion.translation_m.norm() / baseline_m;

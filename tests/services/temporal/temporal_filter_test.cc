@@ -55,7 +55,7 @@ int MostAfterFramesOf(uint8_t confidence, const std::function<Pose(int)>& pose_a
   return static_cast<int>(largest);
 }
 
-// (T9): what errs alike makes nothing surer. What is seen from elsewhere errs alike by half.
+// (T10): what errs alike makes nothing surer. What is seen from elsewhere errs alike by half.
 TEST(TemporalFilter, IsSurerOnlyOfWhatIsSeenFromElsewhere) {
   constexpr uint8_t kOfOne = 200;
   const ConfidenceScale scale;
