@@ -141,8 +141,7 @@ void Refiner::DropBesideEdges(const cv::Mat1b& left, const cv::Mat1b& right, con
   smoothing_ = DropSmoothed(surface_, points_);
   if (!smoothing_) {
     const double noise_px = surface_.Noise(points_).middle_px;
-    before_fattening_ = points_;
-    fattening_ = DropFattened(surface_, left, right, noise_px, points_);
+    fattening_ = DropFattened(surface_, left, right, noise_px, points_, before_fattening_);
   }
   if (!smoothing_ && !fattening_) return;
   result.contradicted += static_cast<int32_t>(before - std::ssize(points_));

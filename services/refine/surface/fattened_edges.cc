@@ -52,7 +52,8 @@ Differences Compare(const cv::Mat1b& left, const cv::Mat1b& right, const Seed& s
 }  // namespace
 
 Fattening DropFattened(const TofSurface& surface, const cv::Mat1b& left, const cv::Mat1b& right,
-                       double noise_px, std::vector<ProjectedPoint>& points) {
+                       double noise_px, std::vector<ProjectedPoint>& points,
+                       std::vector<ProjectedPoint>& before) {
   const double step_px =
       std::max({SurfaceRules::kFattenedPx, SurfaceRules::kFattenedSteepest * surface.spacing_px(),
                 SurfaceRules::kFattenedSigmas * noise_px});
@@ -85,12 +86,12 @@ Fattening DropFattened(const TofSurface& surface, const cv::Mat1b& left, const c
     }
   }
   if (!found || found.width == most) return {};  // what does not end is no edge
-  size_t kept = 0;
-  for (size_t i = 0; i < points.size(); ++i) {
-    if (dropped[i] == 0) points[kept++] = points[i];
+  before.swap(points);
+  points.clear();
+  for (size_t i = 0; i < before.size(); ++i) {
+    if (dropped[i] == 0) points.push_back(before[i]);
   }
-  found.dropped_share = 1 - static_cast<double>(kept) / static_cast<double>(points.size());
-  points.resize(kept);
+  found.dropped_share = 1 - static_cast<double>(points.size()) / static_cast<double>(before.size());
   return found;
 }
 

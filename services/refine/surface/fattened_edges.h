@@ -22,8 +22,10 @@ struct Fattening {
 /// @param left, right  the rectified pair, grey.
 /// @param noise_px  of the points, one standard deviation: what noise makes is no edge.
 /// @param points  those that the surface was made of; of a right sensor all stay.
+/// @param before  gets the points as they were, if some are dropped.
 /// O(ToF pixels · (1 + width)). No I/O; one thread.
 Fattening DropFattened(const TofSurface& surface, const cv::Mat1b& left, const cv::Mat1b& right,
-                       double noise_px, std::vector<ProjectedPoint>& points);
+                       double noise_px, std::vector<ProjectedPoint>& points,
+                       std::vector<ProjectedPoint>& before);
 
 }  // namespace sprout::refine

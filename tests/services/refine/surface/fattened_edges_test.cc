@@ -18,7 +18,10 @@ std::vector<ProjectedPoint> Left(int fat, Fattening& fattening) {
   int behind = 0;
   std::vector<ProjectedPoint> points = TofProjector(scene.rig).Project(scene.tof, behind);
   const auto all = static_cast<double>(points.size());
-  fattening = DropFattened(TofSurface(scene.rig, points), scene.left, scene.right, 0, points);
+  std::vector<ProjectedPoint> before;
+  fattening =
+      DropFattened(TofSurface(scene.rig, points), scene.left, scene.right, 0, points, before);
+  EXPECT_EQ(static_cast<double>(before.size()), fattening ? all : 0);
   EXPECT_NEAR(fattening.dropped_share, 1 - static_cast<double>(points.size()) / all, 1e-9);
   return points;
 }
