@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "common/app/log.h"
 #include "common/core/result.h"
 #include "common/rig/rectifier.h"
 #include "common/scenes/frame_source.h"
@@ -21,6 +22,15 @@ Result<scenes::CapturedFrame> RectifyFrame(const Rectifier& rectifier, scenes::C
 /// size than the calibrated one counts as lost.
 std::unique_ptr<scenes::FrameSource> Rectified(std::unique_ptr<RawSource> cameras,
                                                std::shared_ptr<CurrentRig> rig);
+
+/// Tells why cameras are waited for, in the log where nobody listens.
+inline void TellWaiting(const scenes::Waiting& waiting, const std::string& reason) {
+  if (waiting) {
+    waiting(reason);
+  } else {
+    LogLine(LogLevel::kWarning, "{}", reason);
+  }
+}
 
 /// Cameras, and the calibration that belongs to them.
 struct OpenedCameras {

@@ -162,8 +162,8 @@ class VideoSource : public RawSource {
         return frame;
       }
       if (is_live_) {
-        if (trouble.empty() && settings_.waiting) {
-          settings_.waiting(silent_ + ": no picture, is opened again every second");
+        if (trouble.empty()) {
+          TellWaiting(settings_.waiting, silent_ + ": no picture, is opened again every second");
         }
         trouble = silent_ + ": no picture, opened again";
         SleepFor(kRetryPeriod, stop);

@@ -119,13 +119,13 @@ class GenicamSource : public RawSource {
     while (!stop.stop_requested()) {
       if (std::optional<scenes::CapturedFrame> frame = former_.Next(g_get_real_time()))
         return frame;
-      Wait("");
+      if (waiting_) waiting_("");
       for (auto& [place, event] : inbox_.Take(stop)) former_.Add(place, std::move(event));
       if (Clock::now() < next_word) continue;
       next_word = Clock::now() + kReminder;
       // Frames tell it otherwise, but there are none.
       if (const std::string trouble = former_.NewTrouble(); !trouble.empty()) {
-        Wait("waiting for the cameras: " + trouble);
+        TellWaiting(waiting_, "waiting for the cameras: " + trouble);
       }
     }
     return std::nullopt;
@@ -137,10 +137,6 @@ class GenicamSource : public RawSource {
       LogLine(LogLevel::kInfo, "{}: {}", PlaceText(place, rig_), event.text);
     }
     inbox_.Push(place, std::move(event));
-  }
-
-  void Wait(const std::string& reason) const {
-    if (waiting_) waiting_(reason);
   }
 
   void StartTriggers() {
