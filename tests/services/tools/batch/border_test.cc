@@ -90,8 +90,7 @@ std::string CallsOf(const std::string& name) {
 TEST(Slurm, AnArrayWhoseReportIsRefusedIsKnown) {
   const TemporaryDirectory folder;
   WriteFile(folder / "sbatch",
-            "#!/bin/sh\ncase \"$*\" in *finish*) printf 'too many jobs\\nsee sacctmgr\\n'; exit 1 "
-            ";; esac\n"
+            "#!/bin/sh\ncase \"$*\" in *finish*) printf 'too many\\njobs\\n'; exit 1 ;; esac\n"
             "echo \"$*\" > \"$0.calls\"\necho 7\n");
   WriteFile(folder / "squeue",
             "#!/bin/sh\ncase \"$*\" in *%T*) echo 'RUNNING (None)'; echo 'RUNNING (None)'; "
@@ -107,7 +106,7 @@ TEST(Slurm, AnArrayWhoseReportIsRefusedIsKnown) {
   const std::string active = ActiveJobs(out);
   const std::string states = StatesOfJobs(active);
   setenv("PATH", path.c_str(), 1);
-  EXPECT_THAT(error, HasSubstr("sbatch: too many jobs; see sacctmgr; job 7 computes all the same"));
+  EXPECT_THAT(error, HasSubstr("sbatch: too many; jobs; job 7 computes all the same"));
   EXPECT_EQ(active, "7");
   EXPECT_THAT(FileText(folder / "sbatch.calls"), HasSubstr("/50%%A/slurm/compute_%A_%a.txt "));
   EXPECT_EQ(states, "1 PENDING (Resources), 2 RUNNING");
