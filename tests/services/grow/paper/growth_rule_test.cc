@@ -61,13 +61,13 @@ TEST(GrowthRule, SigmaPFollowsFormulaS1) {
   EXPECT_EQ(SigmaP(config, 10), 0.8);
 }
 
-// With τ = 0.5 a distance of 4 px is within the limit from σ_p = 4 / √(2·ln 2) = 3.397 px on.
-TEST(GrowthRule, APixelIsOpenWhereThePriorAlonePassesADistanceOfFourPixels) {
+// With τ = 0.5 a distance of 8 px is within the limit from σ_p = 8 / √(2·ln 2) = 6.795 px on.
+TEST(GrowthRule, APixelIsOpenWhereThePriorAlonePassesADistanceOfEightPixels) {
   GrowConfig config;
   config.set_sigma_p_noise(0);
-  config.set_sigma_p_px(3.39);
+  config.set_sigma_p_px(6.78);
   EXPECT_EQ(MakeGrowthRule(config).least_open, kMaxSigmaCounts + 1);
-  config.set_sigma_p_px(3.41);
+  config.set_sigma_p_px(6.81);
   EXPECT_EQ(MakeGrowthRule(config).least_open, 0);
 }
 

@@ -105,7 +105,7 @@ TEST_F(Sweep, OfClaimsOnAPixelThatIsFreeAgainTheBetterOneComesFirst) {
 }
 
 TEST_F(Sweep, LeavesOpenPixelsAlone) {
-  config_.set_sigma_p_px(3.5);
+  config_.set_sigma_p_px(7);
   SetPrior(10, 4, 3);
   EXPECT_EQ(Run({{9, 4, 3}}).CountValid(), 0);
 }
