@@ -48,9 +48,9 @@ inline constexpr int kLevels = 256;
 inline constexpr int kKeys = (1 << 14) - 1;
 
 /// Pixels to which the prior leaves disparities so far from its own, px, are open. Below, where
-/// there are up to 17 candidates, the best of all is as good as one that growth leads to, and found
-/// in a fraction of the time; with 16 px it is not (NOTES.md).
-inline constexpr int kSweptPx = 8;
+/// there are up to 15 candidates, the best of all is as good as one that growth leads to, and found
+/// in a fraction of the time; with 8 px it is not (NOTES.md).
+inline constexpr int kSweptPx = 7;
 
 /// Pixels of a row that the fast sweep looks at together, at most.
 inline constexpr int kRunPixels = 16;

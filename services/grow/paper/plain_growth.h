@@ -17,7 +17,7 @@ namespace sprout::grow {
 DisparityImage GrowPlainly(const GrowthRule& rule, const GrowthInput& input,
                            std::span<const Correspondence> seeds);
 
-/// Matches the pixels that are not open, to which the prior leaves up to 17 candidates: the rule
+/// Matches the pixels that are not open, to which the prior leaves up to 15 candidates: the rule
 /// of the sweeps, step by step as the README numbers them. The fast sweep must give the same to the
 /// byte.
 ///

@@ -61,13 +61,13 @@ TEST(GrowthRule, SigmaPFollowsFormulaS1) {
   EXPECT_EQ(SigmaP(config, 10), 0.8);
 }
 
-// With τ = 0.5 a distance of 8 px is within the limit from σ_p = 8 / √(2·ln 2) = 6.795 px on.
-TEST(GrowthRule, APixelIsOpenWhereThePriorAlonePassesADistanceOfEightPixels) {
+// With τ = 0.5 a distance of 7 px is within the limit from σ_p = 7 / √(2·ln 2) = 5.945 px on.
+TEST(GrowthRule, APixelIsOpenWhereThePriorAlonePassesADistanceOfSevenPixels) {
   GrowConfig config;
   config.set_sigma_p_noise(0);
-  config.set_sigma_p_px(6.78);
+  config.set_sigma_p_px(5.93);
   EXPECT_EQ(MakeGrowthRule(config).least_open, kMaxSigmaCounts + 1);
-  config.set_sigma_p_px(6.81);
+  config.set_sigma_p_px(5.96);
   EXPECT_EQ(MakeGrowthRule(config).least_open, 0);
 }
 

@@ -206,7 +206,7 @@ TEST(Grower, GivesThePixelsOfPlainGrowthOnAFullScene) {
 }
 
 // A real scene that every machine has, OpenCV's Aloe: every 12th pixel of the truth as a seed, the
-// prior that of the next one and the less sure the farther away it is: open from 7 px on.
+// prior that of the next one and the less sure the farther away it is: open from 6 px on.
 TEST(Grower, GivesThePixelsOfPlainGrowthOnAloe) {
   const std::string folder = "/usr/share/doc/opencv-doc/examples/data/";
   const cv::Mat1b left = cv::imread(folder + "aloeL.jpg", cv::IMREAD_REDUCED_GRAYSCALE_2);
