@@ -196,13 +196,6 @@ Result<MessageInPlace<Message>> DecodeInPlace(std::span<const uint8_t> bytes) {
   return message;
 }
 
-template <typename Message>
-std::vector<uint8_t> EncodeMessage(const Message& message) {
-  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
-  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  return bytes;
-}
-
 bool IsCompressed(const image_t& message) {
   return message.pixel_format == image_t::PIXEL_FORMAT_MJPG;
 }

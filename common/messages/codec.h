@@ -15,6 +15,14 @@
 
 namespace sprout {
 
+/// Bytes of a message of any type.
+template <typename Message>
+std::vector<uint8_t> EncodeMessage(const Message& message) {
+  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
 /// A decoded part.
 struct DecodedPart {
   FrameId id;

@@ -6,6 +6,7 @@
 #include "common/messages/codec.h"
 #include "common/messages/jpeg.h"
 #include "common/messages/message_type.h"
+#include "common/messages/packed_layout.h"
 
 namespace sprout {
 namespace {
@@ -16,8 +17,15 @@ bool IsCameraImage(std::string_view channel, std::span<const uint8_t> message) {
          (channel.ends_with(ChannelOf(Part::kLeft)) || channel.ends_with(ChannelOf(Part::kRight)));
 }
 
+// Whether an image is a JPEG stream: its fourth field says so. Packed ones never are.
+bool IsJpeg(std::span<const uint8_t> message) {
+  const std::optional<size_t> fields = EndOfHeader(message);
+  return fields && Int32At(message, *fields + 3 * sizeof(int32_t)) == image_t::PIXEL_FORMAT_MJPG;
+}
+
 // Nothing when it is JPEG already, or cannot be decoded.
 std::optional<std::vector<uint8_t>> JpegOf(std::span<const uint8_t> message, int quality) {
+  if (IsJpeg(message)) return std::nullopt;
   const Result<DecodedPart> decoded = DecodePart(Part::kLeft, message);
   if (!decoded) return std::nullopt;
   const auto& picture = std::get<cv::Mat>(decoded->value);
@@ -31,9 +39,7 @@ std::optional<std::vector<uint8_t>> JpegOf(std::span<const uint8_t> message, int
   jpeg.pixel_format = image_t::PIXEL_FORMAT_MJPG;
   jpeg.size = static_cast<int32_t>(stream.size());
   jpeg.data.assign(stream.begin(), stream.end());
-  std::vector<uint8_t> bytes(static_cast<size_t>(jpeg.getEncodedSize()));
-  jpeg.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  return bytes;
+  return EncodeMessage(jpeg);
 }
 
 // Level −1 of zstd: at 2 MP level 1 takes half as long again for a tenth fewer bytes.

@@ -20,9 +20,7 @@ std::vector<uint8_t> EncodePreview(const FrameId& id, const cv::Mat& picture) {
   message.size = static_cast<int32_t>(stream.size());
   message.data.assign(stream.begin(), stream.end());
   message.nmetadata = 0;
-  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
-  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  return bytes;
+  return EncodeMessage(message);
 }
 
 bool IsPreview(std::span<const uint8_t> bytes) {
@@ -37,9 +35,7 @@ std::vector<uint8_t> EncodeScan(const FrameId& id, const PlanarScan& scan) {
   message.nintensities = 0;
   message.rad0 = static_cast<float>(scan.first * scan.step_rad);
   message.radstep = static_cast<float>(scan.step_rad);
-  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
-  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  return bytes;
+  return EncodeMessage(message);
 }
 
 bool IsScan(std::span<const uint8_t> bytes) {

@@ -108,6 +108,9 @@ TEST_F(LogCompress, MakesJpegOfCameraImagesOnlyWhenAsked) {
     EXPECT_EQ(image.size(), cv::Size(160, 120));
     EXPECT_EQ(image.channels(), event.channel == "SPROUT_LEFT" ? 3 : 1);
   }
+  // What is JPEG already is not made worse: it is what the stages have seen.
+  ASSERT_EQ(RunLog({"compress", "--jpeg", "50", small_, folder_.File("twice")}).exit_code, 0);
+  EXPECT_TRUE(ReadBytes(folder_.File("twice")) == ReadBytes(small_));
   EXPECT_EQ(RunLog({"compress", "--jpeg", "0", in_, small_, "--force"}).exit_code, 2);
 }
 
