@@ -6,6 +6,7 @@
 
 #include "common/bus/channels.h"
 #include "common/messages/packed.h"
+#include "common/messages/packed_layout.h"
 
 namespace sprout {
 namespace {
@@ -46,9 +47,7 @@ std::string NameOf(MessageType type) { return KnownTypes()[static_cast<size_t>(t
 
 std::optional<uint64_t> FingerprintOf(std::span<const uint8_t> bytes) {
   if (bytes.size() < sizeof(uint64_t)) return std::nullopt;
-  uint64_t fingerprint = 0;
-  for (const uint8_t byte : bytes.first(sizeof(uint64_t))) fingerprint = fingerprint << 8 | byte;
-  return fingerprint;
+  return FingerprintAt(bytes, 0);
 }
 
 std::optional<MessageType> TypeOf(std::span<const uint8_t> bytes) {

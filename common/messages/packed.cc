@@ -33,14 +33,8 @@ constexpr int kMapLevel = 1;
 constexpr double kWorthWhile = 0.95;
 constexpr size_t kCountBytes = 4;
 
-// PackedBytes of a packed_t from the end of its header to its data.
+// Bytes of a packed_t from the end of its header to its data.
 constexpr size_t kFieldBytes = 8 + 5 * 4;
-
-uint64_t FingerprintAt(std::span<const uint8_t> bytes, size_t offset) {
-  uint64_t fingerprint = 0;
-  for (const uint8_t byte : bytes.subspan(offset, 8)) fingerprint = fingerprint << 8 | byte;
-  return fingerprint;
-}
 
 void AppendInt32(PackedBytes& bytes, size_t number) {
   for (int shift = 24; shift >= 0; shift -= 8) {

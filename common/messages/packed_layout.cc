@@ -124,6 +124,12 @@ bool Fits(const PackedLayout& layout, size_t message_bytes) {
 
 }  // namespace
 
+uint64_t FingerprintAt(std::span<const uint8_t> bytes, size_t offset) {
+  uint64_t fingerprint = 0;
+  for (const uint8_t byte : bytes.subspan(offset, 8)) fingerprint = fingerprint << 8 | byte;
+  return fingerprint;
+}
+
 std::optional<int32_t> Int32At(std::span<const uint8_t> bytes, size_t offset) {
   if (offset > bytes.size() || bytes.size() - offset < 4) return std::nullopt;
   uint32_t number = 0;
@@ -147,8 +153,7 @@ std::optional<PackedLayout> LayoutOf(std::span<const uint8_t> head, size_t messa
       RowFor<seeds_t>(&OfSeeds)};
   const std::optional<size_t> begin = EndOfHeader(head);
   if (!begin) return std::nullopt;
-  uint64_t fingerprint = 0;
-  for (const uint8_t byte : head.first(8)) fingerprint = fingerprint << 8 | byte;
+  const uint64_t fingerprint = FingerprintAt(head, 0);
   for (const LayoutRow& row : rows) {
     if (row.fingerprint != fingerprint) continue;
     PackedLayout layout = row.layout(Int32Fields(head, *begin));

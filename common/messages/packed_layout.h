@@ -36,6 +36,9 @@ std::optional<PackedLayout> LayoutOf(std::span<const uint8_t> head, size_t messa
 /// there are fewer.
 std::optional<size_t> EndOfHeader(std::span<const uint8_t> message);
 
+/// The fingerprint at an offset. @pre 8 bytes are there.
+uint64_t FingerprintAt(std::span<const uint8_t> bytes, size_t offset);
+
 /// Big-endian int32 at an offset; nothing behind the end.
 std::optional<int32_t> Int32At(std::span<const uint8_t> bytes, size_t offset);
 
