@@ -23,9 +23,10 @@ std::string SizeComplaint(const Frame& frame) {
 }
 
 // A frame that cannot be used: a map like LEFT without a disparity, no motion.
-StageResult Refusal(const Frame& frame, std::string reason) {
+StageResult Refusal(const Frame& frame, std::string reason, int64_t resets) {
   CameraMotion motion;
   motion.reset = MemoryReset::kOtherRig;
+  motion.resets = resets;
   motion.last_seq = motion.start_seq = frame.id.seq;
   return {.outputs = {{Part::kFused, DisparityImage(frame.left.size())},
                       {Part::kFusedConfidence, cv::Mat(frame.left.size(), CV_8UC1, cv::Scalar(0))},
@@ -65,7 +66,7 @@ std::string ReasonText(const CameraMotion& motion, TemporalConfig::Motion source
 
 StageResult TemporalAdapter::Process(const Frame& frame) {
   if (std::string complaint = SizeComplaint(frame); !complaint.empty()) {
-    return Refusal(frame, std::move(complaint));
+    return Refusal(frame, std::move(complaint), filter_.resets());
   }
   // The filter keeps the picture; what it was made of may be used again.
   const cv::Mat& left = GreyestLeft(frame);

@@ -51,6 +51,9 @@ class TemporalFilter {
   /// Forgets all frames.
   void Reset();
 
+  /// CameraMotion::resets of the last frame.
+  int64_t resets() const { return now_.motion.resets; }
+
  private:
   struct State {
     bool known = false;

@@ -42,6 +42,9 @@ TEST(TemporalAdapter, SaysWhyItForgets) {
   frame = FrameAt(1);
   frame.left.setTo(9);
   EXPECT_THAT(AddAnswer(adapter, frame), HasSubstr("only 0 points could be tracked"));
+  frame.disparity = DisparityImage(cv::Size(5, 4));
+  EXPECT_THAT(AddAnswer(adapter, frame), HasSubstr("DISPARITY of 5x4"));
+  EXPECT_EQ(frame.motion->resets, 1) << "it is counted once";
 }
 
 TEST(TemporalAdapter, WaitsForPosesThatAreGiven) {
