@@ -134,6 +134,14 @@ std::string SizeComplaint(const Frame& frame, const Input& input) {
          SizeText(size) + ", in grey";
 }
 
+void AddCloud(Part part, PointCloud cloud, StageResult& result) {
+  if (cloud.points.size() == kMaxCloudPoints && result.degenerate.empty()) {
+    result.degenerate = "the cloud ends at " + std::to_string(kMaxCloudPoints) +
+                        " points; allowed is a cloud_stride or cloud_voxel_m that leaves fewer";
+  }
+  result.outputs.push_back({part, std::move(cloud)});
+}
+
 }  // namespace
 
 DepthAdapter::DepthAdapter(const DepthConfig& config)
@@ -191,8 +199,8 @@ void DepthAdapter::AddClouds(const Seen& seen, bool is_placed, StageResult& resu
   PointCloud cloud = CloudOf(seen.disparity, seen.pair, seen.left, seen.confidence, Thinning());
   std::optional<PointCloud> in_base;
   if (is_placed && options_.base_from_left) in_base = Moved(cloud, *options_.base_from_left);
-  result.outputs.push_back({Part::kCloud, std::move(cloud)});
-  if (in_base) result.outputs.push_back({Part::kBaseCloud, *std::move(in_base)});
+  AddCloud(Part::kCloud, std::move(cloud), result);
+  if (in_base) AddCloud(Part::kBaseCloud, *std::move(in_base), result);
 }
 
 void DepthAdapter::AddOfOtherPlaces(const Seen& seen, StageResult& result) const {
@@ -201,8 +209,8 @@ void DepthAdapter::AddOfOtherPlaces(const Seen& seen, StageResult& result) const
     const View& view = *options_.target;
     DepthImage depth = DepthInView(seen.disparity, pair, view, config_.mm_per_count() / 1000);
     if (config_.publish_cloud()) {
-      result.outputs.push_back({Part::kTargetCloud, CloudInView(depth, view, pair, seen.left,
-                                                                seen.confidence, Thinning())});
+      AddCloud(Part::kTargetCloud,
+               CloudInView(depth, view, pair, seen.left, seen.confidence, Thinning()), result);
     }
     result.outputs.push_back({Part::kTargetDepth, std::move(depth)});
   }

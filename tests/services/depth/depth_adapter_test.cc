@@ -50,6 +50,16 @@ TEST(DepthAdapter, AnswersWithDepthAndCloud) {
   EXPECT_EQ(frame.cloud->points[0].confidence, 100);
 }
 
+TEST(DepthAdapter, SaysThatACloudIsCutOff) {
+  DepthConfig config;
+  config.set_publish_depth(false);
+  config.set_cloud_stride(1);
+  DepthAdapter adapter(config);
+  Frame frame = FrameOf(7, {4000, 3001});
+  EXPECT_THAT(AddAnswer(adapter, frame), HasSubstr("the cloud ends at 12000000 points"));
+  EXPECT_EQ(frame.cloud->points.size(), 12'000'000U);
+}
+
 TEST(DepthAdapter, JoinsWhatItNeeds) {
   DepthConfig config;
   EXPECT_EQ(DepthAdapter(config).Inputs(),
