@@ -12,13 +12,8 @@ ConfidenceEstimator::Judgement ConfidenceEstimator::Compute(const JudgedFrame& f
   const auto for_rows = [&](const auto& work) {
     ForRangesParallel(rows, CountBands(size.height), work);
   };
-  for_rows([&](const cv::Range& part) { FindSteps(frame.filled, part, features_.step); });
-  RunBoth(
-      [&] {
-        MarkEdges(features_.step, features_.edge);
-        SpreadNearness(features_.edge, edge_memory_);
-      },
-      [&] { SpreadSeeds(frame.seeds); });
+  for_rows([&](const cv::Range& part) { FindSteps(frame.filled, part, features_); });
+  RunBoth([&] { SpreadNearness(features_.edge, edge_memory_); }, [&] { SpreadSeeds(frame.seeds); });
   for_rows([&](const cv::Range& part) {
     MatchCells(frame.left, frame.right, frame.grown, frame.filled, part, features_);
     RateCells(tables_, features_, frame.filled, frame.sigma_prior, part, judgement_.confidence,

@@ -38,7 +38,8 @@ void FindRangeOfRows(const DisparityImage& map, int v, int16_t* HWY_RESTRICT mos
   }
 }
 
-void FindStepsOnTarget(const DisparityImage& filled, const cv::Range& rows, cv::Mat1b& step) {
+void FindStepsOnTarget(const DisparityImage& filled, const cv::Range& rows,
+                       ConfidenceFeatures& features) {
   const int width = filled.width();
   const auto size = static_cast<size_t>(width + 2);
   std::vector<int16_t> memory(3 * size);
@@ -52,18 +53,12 @@ void FindStepsOnTarget(const DisparityImage& filled, const cv::Range& rows, cv::
       const int low = std::min(least[u], std::min(least[u + 1], least[u + 2]));
       range[u] = static_cast<int16_t>(std::min(high - low, 32767));
     }
-    uint8_t* HWY_RESTRICT steps = step[y];
-    for (int x = 0; x < step.cols; ++x) {
+    uint8_t* HWY_RESTRICT steps = features.step[y];
+    uint8_t* HWY_RESTRICT edges = features.edge[y];
+    for (int x = 0; x < features.step.cols; ++x) {
       steps[x] = ToByte(LevelOf(range[kCellPx * x] + 1));
+      edges[x] = steps[x] >= kEdgeLevel ? 255 : 0;
     }
-  }
-}
-
-void MarkEdgesOnTarget(const cv::Mat1b& step, cv::Mat1b& edge) {
-  for (int y = 0; y < step.rows; ++y) {
-    const uint8_t* HWY_RESTRICT steps = step[y];
-    uint8_t* HWY_RESTRICT edges = edge[y];
-    for (int x = 0; x < step.cols; ++x) edges[x] = steps[x] >= kEdgeLevel ? 255 : 0;
   }
 }
 
@@ -104,11 +99,7 @@ class CellMatcher {
     for (auto* rows : {&differences_, &energies_, &textures_, &margins_, &gaps_}) {
       for (Ints& row : *rows) row.resize(size);
     }
-    difference_.resize(size);
-    energy_.resize(size);
-    texture_.resize(size);
-    margin_.resize(size);
-    gap_.resize(size);
+    for (Ints* sums : {&difference_, &energy_, &texture_, &margin_, &gap_}) sums->resize(size);
   }
 
   void Begin(int y) {
@@ -330,17 +321,12 @@ HWY_AFTER_NAMESPACE();
 namespace sprout::grow {
 
 HWY_EXPORT(FindStepsOnTarget);
-HWY_EXPORT(MarkEdgesOnTarget);
 HWY_EXPORT(SpreadNearnessOnTarget);
 HWY_EXPORT(MatchCellsOnTarget);
 HWY_EXPORT(RateCellsOnTarget);
 
-void FindSteps(const DisparityImage& filled, const cv::Range& rows, cv::Mat1b& step) {
-  HWY_DYNAMIC_DISPATCH(FindStepsOnTarget)(filled, rows, step);
-}
-
-void MarkEdges(const cv::Mat1b& step, cv::Mat1b& edge) {
-  HWY_DYNAMIC_DISPATCH(MarkEdgesOnTarget)(step, edge);
+void FindSteps(const DisparityImage& filled, const cv::Range& rows, ConfidenceFeatures& features) {
+  HWY_DYNAMIC_DISPATCH(FindStepsOnTarget)(filled, rows, features);
 }
 
 void SpreadNearness(cv::Mat1b& marks, std::vector<uint8_t>& memory) {

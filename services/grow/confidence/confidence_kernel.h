@@ -36,15 +36,13 @@ struct ConfidenceFeatures {
   cv::Mat1b seed;      ///< blocks: nearness of any seed
 };
 
-/// Writes rows of cells of `step`, which has the size.
-void FindSteps(const DisparityImage& filled, const cv::Range& rows, cv::Mat1b& step);
+/// Writes rows of cells of step, and of edge: 255 for a step above 1 px, else 0. Both have the
+/// size.
+void FindSteps(const DisparityImage& filled, const cv::Range& rows, ConfidenceFeatures& features);
 
 /// Marks 255, all else 0, to nearness. O(pixels).
 /// @param memory  two rows.
 void SpreadNearness(cv::Mat1b& marks, std::vector<uint8_t>& memory);
-
-/// Cells with a step above 1 px: 255; else 0.
-void MarkEdges(const cv::Mat1b& step, cv::Mat1b& edge);
 
 /// Writes rows of cells of bend, misfit, flat, margin and gaps, which have the size.
 /// @param left, right, grown  of the map's size; grown: before gap filling.
