@@ -40,21 +40,17 @@ DisparityImage GapFiller::Fill(const DisparityImage& map, GrowConfig::Fill fill,
                                const DisparityImage& prior) {
   if (fill == GrowConfig::NONE || map.empty()) return map;
   Renew(filled_, map.size());
-  if (fill == GrowConfig::PRIOR) {
-    FillFromPrior(map, prior);
-  } else {
+  if (fill != GrowConfig::PRIOR) {
     FillFromWindows(map, filled_);
+    return filled_;
   }
-  return filled_;
-}
-
-void GapFiller::FillFromPrior(const DisparityImage& map, const DisparityImage& prior) {
   const bool has_prior = prior.size() == map.size();
   if (has_prior) {
     Renew(other_, map.size());
     FillFrom(prior, map, other_);
   }
   median_.Apply(has_prior ? other_.counts() : map.counts(), filled_.counts());
+  return filled_;
 }
 
 }  // namespace sprout::grow

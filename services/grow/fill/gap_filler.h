@@ -22,8 +22,6 @@ class GapFiller {
                       const DisparityImage& prior);
 
  private:
-  void FillFromPrior(const DisparityImage& map, const DisparityImage& prior);
-
   DisparityImage filled_, other_;
   MedianFilter median_;
 };
