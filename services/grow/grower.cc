@@ -9,8 +9,8 @@
 #include "services/grow/paper/plain_growth.h"
 
 // A pixel whose prior has a standard deviation below GrowthRule::least_open is swept: it chooses
-// between two disparities around the prior, without a queue (sweep/). All others with a prior are
-// "open" and grow best first as in the paper (paper/plain_growth.cc; with EPC its fast twin,
+// among up to nine disparities around the prior, without a queue (sweep/). All others with a prior
+// are "open" and grow best first as in the paper (paper/plain_growth.cc; with EPC its fast twin,
 // sweep/growth_kernel.cc). With preset paper, MNCC and EXPSSD all are open.
 
 namespace sprout::grow {
@@ -90,12 +90,12 @@ Result<DisparityImage> Grower::Compute(const cv::Mat1b& left, const cv::Mat1b& r
   }
   const GrowthInput input{left, right, prior};
   const std::vector<Correspondence> rounded = Rounded(seeds, size);
-  const SweepKernel* const sweep = with_prior ? FindSweepKernel() : nullptr;
+  const SweepFunction sweep = with_prior ? FindSweep() : nullptr;
   if (sweep == nullptr) return GrowPlainly(rule_, input, rounded);
   Renew(map_, size);
   CutIntoBands(size.height);
   if (rule_.least_open > 0) {
-    Sweep(*sweep, input, rounded);
+    Sweep(sweep, input, rounded);
   } else {  // all pixels are open
     map_.counts() = DisparityImage::kInvalid;
     for (SweepBand& band : sweeps_) band.has_open.assign(static_cast<size_t>(band.rows), 1);
@@ -115,12 +115,12 @@ void Grower::CutIntoBands(int height) {
   }
 }
 
-void Grower::Sweep(const SweepKernel& kernel, const GrowthInput& input,
+void Grower::Sweep(SweepFunction sweep, const GrowthInput& input,
                    std::span<const Correspondence> seeds) {
   seeds_by_row_.Sort(seeds, input.left.rows);
   ForEachParallel(sweeps_.size(), [&](size_t i) {
-    kernel.sweep(rule_, input, sweeps_[i], map_);  // (W1), (W2)
-    LinkRows(map_, seeds_by_row_, sweeps_[i]);     // (W3)
+    sweep(rule_, input, sweeps_[i], map_);      // (W1), (W2)
+    LinkRows(map_, seeds_by_row_, sweeps_[i]);  // (W3)
   });
   LinkBands(map_, sweeps_);
   ForEachParallel(sweeps_.size(),

@@ -19,9 +19,9 @@ namespace sprout::grow {
 /// Grows correspondences from seeds: for EPC with kernels for each instruction set, otherwise with
 /// plain_growth.h, which gives the same.
 ///
-/// Pixels to which the prior leaves two disparities are matched in sweeps over the rows (README,
-/// SweepPlainly()), then the others best first, from the seeds and from what has been swept (paper,
-/// Alg. 1). Where all are open, as with preset paper, nothing is swept.
+/// Pixels to which the prior leaves up to nine disparities are matched in sweeps over the rows
+/// (README, SweepPlainly()), then the others best first, from the seeds and from what has been
+/// swept (paper, Alg. 1). Where all are open, as with preset paper, nothing is swept.
 ///
 /// Where the paper leaves a choice: seeds leave the queue by level (GrowthRule::LevelOf()), within
 /// a level the last one added first; initial seeds enter it in the order given; neighbours are
@@ -51,8 +51,7 @@ class Grower {
 
  private:
   void CutIntoBands(int height);
-  void Sweep(const SweepKernel& kernel, const GrowthInput& input,
-             std::span<const Correspondence> seeds);
+  void Sweep(SweepFunction sweep, const GrowthInput& input, std::span<const Correspondence> seeds);
   void GrowOpen(const GrowthKernel& kernel, const GrowthInput& input,
                 std::span<const Correspondence> seeds);
 

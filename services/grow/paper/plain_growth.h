@@ -7,10 +7,10 @@
 namespace sprout::grow {
 
 /// Growth that computes every similarity directly: the reference that the fast growth for EPC must
-/// equal pixel by pixel, and what runs for MNCC and EXPSSD. Pixels to which the prior leaves two
-/// disparities are swept (SweepPlainly()), then open ones grow by Alg. 1, with the
-/// order of seeds and the bands of rows that Grower tells. Where all are open (preset paper, MNCC,
-/// EXPSSD) nothing is swept.
+/// equal pixel by pixel, and what runs for MNCC and EXPSSD. Pixels that are not
+/// open are swept (SweepPlainly()), then open ones grow by Alg. 1, with the order of seeds and the
+/// bands of rows that Grower tells. Where all are open (preset paper, MNCC, EXPSSD) nothing is
+/// swept.
 ///
 /// @param seeds  whose windows fit.
 /// @returns disparities, one-to-one. About 0.3 µs a pixel. Works on OpenCV's threads.

@@ -39,7 +39,7 @@ class PlainSweep {
  private:
   Claim& ClaimAt(int u, int v) { return claims_[static_cast<size_t>(v * matched_.cols + u)]; }
 
-  // The better one of m = ⌊D_p⌋ and m + 1, of equals m.
+  // The disparity of the least cost, of equals the lowest; at least of ⌊D_p⌋ and the next one.
   Claim Choose(int u, int v) const {
     const int prior = input_.prior.disparity.counts()(v, u);
     if (prior == DisparityImage::kInvalid || rule_.IsOpen(input_.prior.sigma(v, u))) return {};

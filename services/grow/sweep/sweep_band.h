@@ -48,16 +48,14 @@ struct SweepBand {
   std::vector<int32_t> first_segment;  // of each row, one more than rows
 };
 
-/// The functions compiled for each instruction set. All give the same bytes: they compute in whole
-/// numbers, and in single operations of floating point that IEEE 754 defines to the last bit.
-struct SweepKernel {
-  /// (W1) and (W2) for the rows of a band: fills these rows of the map, the lost claims and cuts.
-  /// @param band  first_row and rows are set. O(pixels).
-  void (*sweep)(const GrowthRule& rule, const GrowthInput& input, SweepBand& band,
-                DisparityImage& map);
-};
+/// (W1) and (W2) for the rows of a band: fills these rows of the map, the lost claims and cuts.
+/// Compiled for each instruction set; all give the same bytes: they compute in whole numbers, and
+/// in single operations of floating point that IEEE 754 defines to the last bit. O(pixels).
+/// @param band  first_row and rows are set.
+using SweepFunction = void (*)(const GrowthRule& rule, const GrowthInput& input, SweepBand& band,
+                               DisparityImage& map);
 
 /// The one for the instruction set in use (--simd); null when that has no vectors of 16 bytes.
-const SweepKernel* FindSweepKernel();
+SweepFunction FindSweep();
 
 }  // namespace sprout::grow

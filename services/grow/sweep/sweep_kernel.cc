@@ -23,7 +23,7 @@ namespace HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR
 
-const SweepKernel* SweepOnTarget() { return nullptr; }
+SweepFunction SweepOnTarget() { return nullptr; }
 
 #else
 
@@ -291,10 +291,7 @@ void SweepRows(const GrowthRule& rule, const GrowthInput& input, SweepBand& band
   Sweep(rule, input, band, map).Run();
 }
 
-const SweepKernel* SweepOnTarget() {
-  static constexpr SweepKernel kKernel = {SweepRows};
-  return &kKernel;
-}
+SweepFunction SweepOnTarget() { return SweepRows; }
 
 #endif
 
@@ -307,7 +304,7 @@ namespace sprout::grow {
 
 HWY_EXPORT(SweepOnTarget);
 
-const SweepKernel* FindSweepKernel() { return HWY_DYNAMIC_DISPATCH(SweepOnTarget)(); }
+SweepFunction FindSweep() { return HWY_DYNAMIC_DISPATCH(SweepOnTarget)(); }
 
 }  // namespace sprout::grow
 #endif  // HWY_ONCE
