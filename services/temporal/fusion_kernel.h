@@ -1,10 +1,10 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 
 #include "services/temporal/confidence_scale.h"
+#include "services/temporal/view.h"
 
 namespace sprout::temporal {
 
@@ -16,16 +16,6 @@ inline constexpr float kNone = -1e9F;
 struct PixelMotion {
   std::array<std::array<float, 3>, 3> h;
   std::array<float, 3> t;
-};
-
-/// A map or an image as the kernels read it; float or grey.
-template <typename T>
-struct View {
-  const T* pixels;
-  ptrdiff_t stride;  // elements from row to row
-  int width, height;
-
-  const T* Row(int v) const { return pixels + v * stride; }
 };
 
 /// What was known at the last frame, and how the camera moved since.

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/core/parallel.h"
+#include "common/core/image.h"
 
 namespace sprout::temporal {
 namespace {
@@ -10,19 +10,7 @@ namespace {
 constexpr int kSmallestSide = 32;  // px: two windows of the tracker
 
 cv::Mat1b Half(const cv::Mat1b& from) {
-  cv::Mat1b to(from.rows / 2, from.cols / 2);
-  ForRangesParallel(to.rows, to.rows / kRowsPerPart + 1, [&](const cv::Range& rows) {
-    for (int v = rows.start; v < rows.end; ++v) {
-      const uint8_t* const above = from[2 * v];
-      const uint8_t* const below = from[2 * v + 1];
-      uint8_t* const means = to[v];
-      for (int u = 0; u < to.cols; ++u) {
-        const int sum = above[2 * u] + above[2 * u + 1] + below[2 * u] + below[2 * u + 1];
-        means[u] = static_cast<uint8_t>((sum + 2) >> 2);
-      }
-    }
-  });
-  return to;
+  return Halved(from(cv::Rect(0, 0, from.cols / 2 * 2, from.rows / 2 * 2)));
 }
 
 bool CanBeHalved(const cv::Mat1b& level) {

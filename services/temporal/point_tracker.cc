@@ -94,10 +94,6 @@ void FindInCellRow(const cv::Mat1b& image, int cell_row, Corner* corners) {
   }
 }
 
-GreyView ViewOf(const cv::Mat1b& image) {
-  return {image.data, static_cast<ptrdiff_t>(image.step[0]), image.cols, image.rows};
-}
-
 // Positions on the next coarser and the next finer level: pixel 0 there is between 0 and 1 here.
 Place Coarser(Place place) {
   return {(place.u - kPositionParts / 2) >> 1, (place.v - kPositionParts / 2) >> 1};

@@ -34,8 +34,7 @@ StageResult Refusal(const Frame& frame, std::string reason, int64_t resets) {
           .degenerate = std::move(reason)};
 }
 
-}  // namespace
-
+// Why the memory was lost, for people.
 std::string ReasonText(const CameraMotion& motion, TemporalConfig::Motion source) {
   const std::string points =
       std::to_string(motion.inliers) + " of " + std::to_string(motion.tracked) + " points";
@@ -63,6 +62,8 @@ std::string ReasonText(const CameraMotion& motion, TemporalConfig::Motion source
   }
   return "";
 }
+
+}  // namespace
 
 StageResult TemporalAdapter::Process(const Frame& frame) {
   if (std::string complaint = SizeComplaint(frame); !complaint.empty()) {

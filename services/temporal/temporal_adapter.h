@@ -29,7 +29,4 @@ class TemporalAdapter : public StageAdapter {
   TemporalFilter filter_;
 };
 
-/// Why the memory was lost, for people.
-std::string ReasonText(const CameraMotion& motion, TemporalConfig::Motion source);
-
 }  // namespace sprout::temporal

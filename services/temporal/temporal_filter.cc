@@ -19,11 +19,6 @@ namespace {
 constexpr float kMaxPointVariance = 1;
 constexpr double kMinPointRho = 0.5;
 
-template <typename T>
-View<T> ViewOf(const cv::Mat_<T>& map) {
-  return {map[0], static_cast<ptrdiff_t>(map.step1()), map.cols, map.rows};
-}
-
 // (T3): H = K R K⁻¹ and t = K t / (f b).
 PixelMotion PixelMotionOf(const Pose& motion, const RectifiedPair& pair) {
   Eigen::Matrix3d camera;
@@ -34,13 +29,8 @@ PixelMotion PixelMotionOf(const Pose& motion, const RectifiedPair& pair) {
   const Eigen::Matrix3d h = camera * motion.rotation.toRotationMatrix() * inverse;
   const Eigen::Vector3d t = camera * motion.translation_m / (pair.focal_px * pair.baseline_m);
   PixelMotion result;
-  for (size_t i = 0; i < 3; ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    for (size_t j = 0; j < 3; ++j) {
-      result.h[i][j] = static_cast<float>(h(row, static_cast<Eigen::Index>(j)));
-    }
-    result.t[i] = static_cast<float>(t[row]);
-  }
+  Eigen::Map<Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(result.h[0].data()) = h.cast<float>();
+  Eigen::Map<Eigen::Vector3f>(result.t.data()) = t.cast<float>();
   return result;
 }
 
@@ -205,10 +195,8 @@ void TemporalFilter::EstimateMotionOf(const TemporalInput& input) {
   motion.tracked = static_cast<int32_t>(points.size());
   motion.inliers = estimate.inliers;
   now_.left_from_last = estimate.left_from_last;
-  for (size_t i = 0; i < motion.covariance.size(); ++i) {
-    motion.covariance[i] =
-        estimate.covariance(static_cast<Eigen::Index>(i / 6), static_cast<Eigen::Index>(i % 6));
-  }
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(motion.covariance.data()) =
+      estimate.covariance;
 }
 
 void TemporalFilter::TakeMotionOf(const TemporalInput& input) {

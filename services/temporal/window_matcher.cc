@@ -28,7 +28,7 @@ constexpr double kMinTexture = (2 << kGreyBits) * (2 << kGreyBits) / 2.0;
 // Grey values of kRows × kColumns places, one pixel apart from each other. Their right and lower
 // neighbours are in the image, too.
 template <int kRows, int kColumns>
-HWY_INLINE void Sample(const GreyView& image, Place first, int16_t* window) {
+HWY_INLINE void Sample(const View<uint8_t>& image, Place first, int16_t* window) {
   const int right = first.u & (kPositionParts - 1);
   const int below = first.v & (kPositionParts - 1);
   const int32_t weights[4] = {(kPositionParts - right) * (kPositionParts - below),
@@ -48,7 +48,7 @@ HWY_INLINE void Sample(const GreyView& image, Place first, int16_t* window) {
 }
 
 // Whether a window of `side` px from `first` on, and the neighbours of its pixels, are inside.
-HWY_INLINE bool IsInside(const GreyView& image, Place first, int side) {
+HWY_INLINE bool IsInside(const View<uint8_t>& image, Place first, int side) {
   const int u = first.u >> kPositionBits;
   const int v = first.v >> kPositionBits;
   return u >= 0 && v >= 0 && u + side < image.width && v + side < image.height;
@@ -83,7 +83,8 @@ HWY_INLINE GreySums SumsOf(const int16_t* window, const int16_t* slope_u, const 
   return sums;
 }
 
-bool MatchOnTarget(const GreyView& before, Place place, const GreyView& after, Place& found) {
+bool MatchOnTarget(const View<uint8_t>& before, Place place, const View<uint8_t>& after,
+                   Place& found) {
   constexpr int kWide = kSide + 2;  // with the neighbours that differences need
   const Place first = FirstOf(place, kWide);
   if (!IsInside(before, first, kWide)) return false;
@@ -152,7 +153,8 @@ namespace sprout::temporal {
 
 HWY_EXPORT(MatchOnTarget);
 
-bool MatchWindow(const GreyView& before, Place place, const GreyView& after, Place& found) {
+bool MatchWindow(const View<uint8_t>& before, Place place, const View<uint8_t>& after,
+                 Place& found) {
   return HWY_DYNAMIC_DISPATCH(MatchOnTarget)(before, place, after, found);
 }
 

@@ -1,20 +1,14 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
+
+#include "services/temporal/view.h"
 
 namespace sprout::temporal {
 
 /// Positions are counted in parts of a pixel.
 inline constexpr int kPositionBits = 7;
 inline constexpr int kPositionParts = 1 << kPositionBits;
-
-/// A grey image as the kernel reads it.
-struct GreyView {
-  const uint8_t* pixels;
-  ptrdiff_t stride;  // bytes from row to row
-  int width, height;
-};
 
 /// A place in an image, in parts of a pixel.
 struct Place {
@@ -26,6 +20,7 @@ struct Place {
 /// Gauss and Newton on the squared differences of grey values, each window brought to one mean and
 /// contrast.
 /// @returns whether a place was found: both windows stay inside, and there is texture.
-bool MatchWindow(const GreyView& before, Place place, const GreyView& after, Place& found);
+bool MatchWindow(const View<uint8_t>& before, Place place, const View<uint8_t>& after,
+                 Place& found);
 
 }  // namespace sprout::temporal
