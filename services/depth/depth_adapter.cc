@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/core/image.h"
+#include "common/core/joined.h"
 #include "common/rig/rig_file.h"
 #include "services/depth/cloud.h"
 #include "services/depth/depth_map.h"
@@ -33,9 +34,8 @@ void RequireSigma(const DepthConfig& config) {
 }
 
 std::string NamesOf(const RigPlaces& places) {
-  std::string names;
-  for (const auto& [name, place] : places.others) names += (names.empty() ? "" : ", ") + name;
-  return names.empty() ? "none, the rig file has no others" : names;
+  if (places.others.empty()) return "none, the rig file has no others";
+  return Joined(", ", places.others, [](const auto& other) { return other.first; });
 }
 
 View TargetOf(const std::string& target, const RigPlaces& places) {

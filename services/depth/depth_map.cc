@@ -10,23 +10,19 @@
 
 #include "common/core/prior_map.h"
 #include "common/core/quantile.h"
+#include "services/depth/rays.h"
 
 namespace sprout::depth {
 namespace {
 
 // Counts of every disparity that a map can have: at 2 MP the division would be done 2 million times
-// for 65536 results. Index: counts of disparity + 32768.
+// for 65536 results.
 std::vector<uint16_t> DepthTable(const RectifiedPair& pair, double metres_per_count) {
-  constexpr int kSize = 1 << 16;
-  std::vector<uint16_t> table(kSize, 0);
-  for (int i = 1; i < kSize; ++i) {  // 0: DisparityImage::kInvalid
-    const double disparity_px =
-        (i + double{DisparityImage::kInvalid}) / DisparityImage::kCountsPerPixel;
+  return TableOf<uint16_t>([&](double disparity_px) {
     const double counts = pair.DepthFromDisparity(disparity_px) / metres_per_count;
-    if (!(counts > 0) || counts >= std::numeric_limits<uint16_t>::max() + 0.5) continue;
-    table[static_cast<size_t>(i)] = static_cast<uint16_t>(std::lround(counts));
-  }
-  return table;
+    const bool fits = counts > 0 && counts < std::numeric_limits<uint16_t>::max() + 0.5;
+    return fits ? static_cast<uint16_t>(std::lround(counts)) : uint16_t{0};
+  });
 }
 
 // Median of the depths in a block; 0 when less than half of its pixels have one.
@@ -42,21 +38,12 @@ uint16_t MedianOfBlock(const cv::Mat1w& counts, int u, int v, int scale) {
   return OrderStatistic(std::span(depths).first(found), (found - 1) / 2);
 }
 
-size_t IndexOf(int16_t counts) {
-  return static_cast<size_t>(int{counts} - int{DisparityImage::kInvalid});
-}
-
 // Counts of σ_z for a count of σ_d, eq. (D1), at every disparity that a map can have.
 std::vector<float> SigmaTable(const RectifiedPair& pair, double metres_per_count) {
-  std::vector<float> table(1 << 16, 0);
-  for (size_t i = 1; i < table.size(); ++i) {  // 0: DisparityImage::kInvalid
-    const double disparity_px = (static_cast<double>(i) + double{DisparityImage::kInvalid}) /
-                                DisparityImage::kCountsPerPixel;
+  return TableOf<float>([&](double disparity_px) {
     const double sigma_m = pair.DepthSigma(disparity_px, 1.0 / kSigmaCountsPerPx);
-    table[i] =
-        static_cast<float>(std::min(sigma_m / metres_per_count, double{kMaxDepthSigmaCounts}));
-  }
-  return table;
+    return static_cast<float>(std::min(sigma_m / metres_per_count, double{kMaxDepthSigmaCounts}));
+  });
 }
 
 uint16_t SigmaCounts(float counts_per_count, uint8_t sigma) {
@@ -93,7 +80,7 @@ DepthImage DepthOf(const DisparityImage& disparity, const RectifiedPair& pair,
     const int16_t* const disparities = disparity.counts()[v];
     uint16_t* const depths = counts[v];
     for (int u = 0; u < counts.cols; ++u) {
-      depths[u] = table[static_cast<size_t>(disparities[u] - int{DisparityImage::kInvalid})];
+      depths[u] = table[IndexOf(disparities[u])];
     }
   }
   // The centre of block 0 is at (scale − 1) / 2 of the whole image.

@@ -27,8 +27,7 @@ inline constexpr int kSigmaCountsPerDepthCount = 16;
 /// of that image and counts that are 16 times finer: rounded to nearest, at least 1, at most
 /// kMaxDepthSigmaCounts; this also where that of the disparity is 15.94 px or more. 0 where there
 /// is no depth. A pixel of a smaller image has that of the pixel of its block whose depth it has:
-/// the one with the nearest disparity, of several the least sure. O(pixels), about 4
-/// ns each.
+/// the one with the nearest disparity, of several the least sure. O(pixels), about 4 ns each.
 ///
 /// @param disparity  that the depth was made of.
 /// @param sigma      of the map's size, counts as in Part::kSigma.

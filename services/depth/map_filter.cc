@@ -95,14 +95,6 @@ Eigen::AlignedBox3d BoxOf(const BoxConfig& box) {
           Eigen::Vector3d(box.max_x_m(), box.max_y_m(), box.max_z_m())};
 }
 
-// Unlike a box that was not given, which has the defaults.
-bool IsLimited(const BoxConfig& box) {
-  const BoxConfig unlimited;
-  const Eigen::AlignedBox3d one = BoxOf(box);
-  const Eigen::AlignedBox3d all = BoxOf(unlimited);
-  return one.min() != all.min() || one.max() != all.max();
-}
-
 }  // namespace
 
 MapFilter::MapFilter(FilterRules rules) : rules_(std::move(rules)) {}
@@ -153,7 +145,11 @@ void RequireOrder(const char* low_name, double low, const char* high_name, doubl
                     ": allowed: the first below the second");
 }
 
-bool HasBox(const DepthConfig& config) { return IsLimited(config.box()); }
+bool HasBox(const DepthConfig& config) {
+  const Eigen::AlignedBox3d box = BoxOf(config.box());
+  const Eigen::AlignedBox3d unlimited = BoxOf(BoxConfig());
+  return box.min() != unlimited.min() || box.max() != unlimited.max();
+}
 
 FilterRules FilterOf(const DepthConfig& config, const std::optional<Pose>& base_from_left) {
   if (config.max_m() > 0) RequireOrder("min_m", config.min_m(), "max_m", config.max_m());

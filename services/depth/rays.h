@@ -31,22 +31,34 @@ struct Rays {
   Eigen::Vector3d per_v;
 };
 
+/// Index in a TableOf() disparities.
+inline size_t IndexOf(int16_t counts) {
+  return static_cast<size_t>(counts - int{DisparityImage::kInvalid});
+}
+
+/// of(disparity, px) for every disparity that a map can have; 0 for none. O(65536).
+template <typename Number, typename Of>
+std::vector<Number> TableOf(const Of& of) {
+  std::vector<Number> table(size_t{1} << 16, 0);
+  for (size_t i = 1; i < table.size(); ++i) {  // 0: DisparityImage::kInvalid
+    const double counts = static_cast<double>(i) + double{DisparityImage::kInvalid};
+    table[i] = of(counts / DisparityImage::kCountsPerPixel);
+  }
+  return table;
+}
+
 /// Depth z of every disparity that a map can have, m; 0 for none, and where z is not positive or
-/// beyond 1000 km. O(65536).
+/// beyond 1000 km.
 class DepthOfCounts {
  public:
-  explicit DepthOfCounts(const RectifiedPair& pair) : depth_m_(size_t{1} << 16, 0.0F) {
-    constexpr double kFarthestM = 1e6;
-    for (size_t i = 1; i < depth_m_.size(); ++i) {  // 0: DisparityImage::kInvalid
-      const double counts = static_cast<double>(i) + double{DisparityImage::kInvalid};
-      const double z = pair.DepthFromDisparity(counts / DisparityImage::kCountsPerPixel);
-      if (z > 0 && z < kFarthestM) depth_m_[i] = static_cast<float>(z);
-    }
-  }
+  explicit DepthOfCounts(const RectifiedPair& pair)
+      : depth_m_(TableOf<float>([&](double disparity_px) {
+          constexpr double kFarthestM = 1e6;
+          const double z = pair.DepthFromDisparity(disparity_px);
+          return z > 0 && z < kFarthestM ? static_cast<float>(z) : 0.0F;
+        })) {}
 
-  float operator()(int16_t counts) const {
-    return depth_m_[static_cast<size_t>(counts - int{DisparityImage::kInvalid})];
-  }
+  float operator()(int16_t counts) const { return depth_m_[IndexOf(counts)]; }
 
  private:
   std::vector<float> depth_m_;
