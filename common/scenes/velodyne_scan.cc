@@ -18,6 +18,7 @@
 namespace sprout::scenes {
 namespace {
 
+constexpr int kVelodyneBeams = 64;
 constexpr double kTopDegrees = 2;
 constexpr double kBottomDegrees = -24.9;
 
@@ -31,6 +32,15 @@ ConfigError BadScan(const std::filesystem::path& file, const std::string& reason
   return ConfigError("scan " + file.string() + ": " + reason + "; allowed: 1 to " +
                      std::to_string(kMaxPoints) +
                      " points of 16 bytes: x, y, z (within 1000 m) and reflectance as float32");
+}
+
+// 0 (top) to 63.
+int VelodyneBeam(const Eigen::Vector3d& point) {
+  const double elevation_degrees =
+      std::atan2(point.z(), std::hypot(point.x(), point.y())) * 180 / std::numbers::pi;
+  const double step = (kTopDegrees - kBottomDegrees) / kVelodyneBeams;
+  const double beam = std::floor((kTopDegrees - elevation_degrees) / step);
+  return static_cast<int>(std::clamp(beam, 0.0, kVelodyneBeams - 1.0));
 }
 
 }  // namespace
@@ -62,14 +72,6 @@ std::vector<Eigen::Vector3d> ReadVelodyneScan(const std::filesystem::path& file)
     }
   }
   return points;
-}
-
-int VelodyneBeam(const Eigen::Vector3d& point) {
-  const double elevation_degrees =
-      std::atan2(point.z(), std::hypot(point.x(), point.y())) * 180 / std::numbers::pi;
-  const double step = (kTopDegrees - kBottomDegrees) / kVelodyneBeams;
-  const double beam = std::floor((kTopDegrees - elevation_degrees) / step);
-  return static_cast<int>(std::clamp(beam, 0.0, kVelodyneBeams - 1.0));
 }
 
 std::vector<Eigen::Vector3d> KeepBeams(const std::vector<Eigen::Vector3d>& points, int beams) {
