@@ -161,27 +161,11 @@ class Renderer {
   std::vector<Bounds> bounds_;
 };
 
-// The simulated SR4000 with its view of the scene.
-struct Sr4000View {
-  Sr4000View(const RectifiedPair& pair, const CaptureConfig& config)
-      : camera(pair, config.sr4000(), config.seed()),
-        view(camera.actual().lens(), camera.actual().left_from_tof_rotation,
-             camera.actual().left_from_tof_translation_m, TofSamples::kPerSide) {}
-
-  Sr4000 camera;
-  LensView view;
-};
-
-// The simulated multi-zone sensor with its view of the scene.
-struct ZonesView {
-  ZonesView(const RectifiedPair& pair, const CaptureConfig& config)
-      : sensor(pair, config.zones(), config.seed()),
-        view(sensor.camera().lens(), sensor.camera().left_from_tof_rotation,
-             sensor.camera().left_from_tof_translation_m, TofSamples::kPerSide) {}
-
-  ZoneSensor sensor;
-  LensView view;
-};
+// The view that a simulated range sensor has of the scene.
+LensView ViewOf(const TofCamera& camera) {
+  return {camera.lens(), camera.left_from_tof_rotation, camera.left_from_tof_translation_m,
+          TofSamples::kPerSide};
+}
 
 class SyntheticDataset : public Dataset {
  public:
@@ -191,10 +175,12 @@ class SyntheticDataset : public Dataset {
         rig_{.pair = PairOfSize(size), .tof = {}},
         scene_(config.seed(), kNearestFloorM * size.height / (2 * rig_.pair.focal_px)) {
     if (config.tof() == "sr4000") {
-      sr4000_.emplace(rig_.pair, config);
-      rig_.tof = sr4000_->camera.calibrated();
+      sr4000_.emplace(rig_.pair, config.sr4000(), config.seed());
+      view_.emplace(ViewOf(sr4000_->actual()));
+      rig_.tof = sr4000_->calibrated();
     } else if (config.tof() == kZones) {
-      zones_.emplace(rig_.pair, config);
+      zones_.emplace(rig_.pair, config.zones(), config.seed());
+      view_.emplace(ViewOf(zones_->camera()));
     } else if (config.tof() == "grid") {
       rig_.tof = TofGridCamera(rig_.pair, tof_grid_px_);
     }
@@ -213,13 +199,12 @@ class SyntheticDataset : public Dataset {
     Renderer(pair, left, solids).Render(frame.left, frame.truth.left);
     Renderer(pair, right, solids).Render(frame.right, frame.truth.right);
     if (sr4000_) {
-      const Sr4000Frame measured = sr4000_->camera.Measure(
-          RenderTof(sr4000_->view, solids, pair.focal_px), index, PhaseImages(index));
+      const Sr4000Frame measured =
+          sr4000_->Measure(RenderTof(*view_, solids, pair.focal_px), index, PhaseImages(index));
       frame.tof = measured.tof;
       frame.unambiguous_range_m = measured.unambiguous_range_m;
     } else if (zones_) {
-      frame.tof_zones =
-          zones_->sensor.Measure(RenderTof(zones_->view, solids, pair.focal_px), index);
+      frame.tof_zones = zones_->Measure(RenderTof(*view_, solids, pair.focal_px), index);
     } else if (rig_.tof.width > 0) {
       frame.tof = SampleTofGrid(pair, tof_grid_px_, frame.truth.left);
     }
@@ -231,7 +216,7 @@ class SyntheticDataset : public Dataset {
   std::vector<TofSamples> PhaseImages(int64_t index) const {
     std::vector<TofSamples> images;
     for (int k = 0; motion_ > 0 && k < 4; ++k) {
-      images.push_back(RenderTof(sr4000_->view, scene_.At(index, k * motion_), rig_.pair.focal_px));
+      images.push_back(RenderTof(*view_, scene_.At(index, k * motion_), rig_.pair.focal_px));
     }
     return images;
   }
@@ -240,8 +225,9 @@ class SyntheticDataset : public Dataset {
   double motion_;  // frame intervals between phase images
   Rig rig_;
   SyntheticScene scene_;
-  std::optional<Sr4000View> sr4000_;
-  std::optional<ZonesView> zones_;  // else the grid or none
+  std::optional<Sr4000> sr4000_;
+  std::optional<ZoneSensor> zones_;  // else the grid or none
+  std::optional<LensView> view_;     // of either of them
 };
 
 }  // namespace
