@@ -44,10 +44,9 @@ inline constexpr int64_t kMinPlanePixels = 15;
 ///    d. Of all planes through three blocks the start is the one with the least median of |d −
 ///    plane| over the blocks (least median of squares, Rousseeuw 1984): up to nearly half of the
 ///    blocks may be anything.
-/// 2. s = 1.4826 · median |d − plane|, the standard deviation of normal noise; a pixel is an
-/// outlier
-///    beyond max(4 s, 1/16 px). Of normal noise that takes 6 of 100,000 pixels, and 0.05 % of its
-///    RMS (3 s would take 1.3 %); rounding to counts makes 1/32 px.
+/// 2. s = 1.4826 · median |d − plane|, the standard deviation of normal noise; beyond max(4 s,
+///    1/16 px) a pixel is an outlier. Of normal noise that takes 6 of 100,000 pixels, and 0.05 % of
+///    its RMS (3 s would take 1.3 %); rounding to counts makes 1/32 px.
 /// 3. Least squares over the others; steps 2 and 3 until nothing changes, at most 10 times.
 ///
 /// Disparity, not depth: there the noise of stereo is the same for near and far pixels, and the

@@ -210,22 +210,22 @@ TargetMeter::PixelNoise TargetMeter::NoiseOfPixels() const {
   std::vector<PixelSums> row(static_cast<size_t>(region_.width));
   for (int v = 0; v < region_.height; ++v) {
     std::fill(row.begin(), row.end(), PixelSums());
-    for (const Measured& frame : frames_) {
-      for (int u = 0; u < region_.width; ++u) {
-        if (std::isnan(frame.depth_m(v, u))) continue;
-        PixelSums& pixel = row[static_cast<size_t>(u)];
-        ++pixel.n;
-        pixel.sum += frame.depth_m(v, u);
+    const auto for_each_depth = [&](const auto& act) {
+      for (const Measured& frame : frames_) {
+        for (int u = 0; u < region_.width; ++u) {
+          const float depth_m = frame.depth_m(v, u);
+          if (!std::isnan(depth_m)) act(row[static_cast<size_t>(u)], depth_m);
+        }
       }
-    }
-    for (const Measured& frame : frames_) {
-      for (int u = 0; u < region_.width; ++u) {
-        if (std::isnan(frame.depth_m(v, u))) continue;
-        PixelSums& pixel = row[static_cast<size_t>(u)];
-        const double off_m = frame.depth_m(v, u) - pixel.Mean();
-        pixel.squares += off_m * off_m;
-      }
-    }
+    };
+    for_each_depth([](PixelSums& pixel, float depth_m) {
+      ++pixel.n;
+      pixel.sum += depth_m;
+    });
+    for_each_depth([](PixelSums& pixel, float depth_m) {
+      const double off_m = depth_m - pixel.Mean();
+      pixel.squares += off_m * off_m;
+    });
     for (int u = 0; u < region_.width; ++u) {
       const PixelSums& pixel = row[static_cast<size_t>(u)];
       noise.never += pixel.n == 0 ? 1 : 0;
