@@ -23,8 +23,7 @@ void CheckDistance(Checks& checks, const std::string& field, const Eigen::Vector
 /// A rotation of norm 1, a finite translation.
 /// @param name  of the fields without _rotation and _translation_m.
 inline void CheckPoseFields(Checks& checks, const std::string& name, const Pose& pose) {
-  const auto& q = pose.rotation;
-  const double norm = std::sqrt(q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z());
+  const double norm = pose.rotation.norm();
   checks.Require(std::abs(norm - 1) < 1e-6, (name + "_rotation norm").c_str(), norm, "1");
   for (const double value : pose.translation_m) {
     checks.Finite((name + "_translation_m").c_str(), value);

@@ -92,8 +92,7 @@ std::string RigId(const Rig& rig) {
 Result<void> CheckRig(const Rig& rig) {
   const RectifiedPair& pair = rig.pair;
   const TofCamera& tof = rig.tof;
-  const auto& q = tof.left_from_tof_rotation;
-  const double norm = std::sqrt(q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z());
+  const double norm = tof.left_from_tof_rotation.norm();
   Checks checks;
   const double side_px = std::max(pair.width, pair.height);
   checks.Side("width", pair.width)

@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "common/config/config_error.h"
+#include "common/core/joined.h"
 #include "common/core/read_text.h"
 #include "services/capture/video_pictures.h"
 
@@ -114,10 +115,8 @@ void NoteAlone(const std::string& what, const std::vector<size_t>& alone,
                std::vector<std::string>& notes) {
   constexpr size_t kNamed = 5;
   if (alone.empty()) return;
-  std::string names;
-  for (size_t i = 0; i < std::min(alone.size(), kNamed); ++i) {
-    names += (i == 0 ? "" : ", ") + files[alone[i]];
-  }
+  std::string names = Joined(", ", std::span(alone).first(std::min(alone.size(), kNamed)),
+                             [&](size_t i) { return files[i]; });
   if (alone.size() > kNamed) names += ", ...";
   notes.push_back(fmt::format("{} of {} images of {} {}: {}", alone.size(), files.size(), what,
                               what_happens, names));

@@ -12,15 +12,14 @@
 
 namespace sprout {
 
-/// What can be written of a frame, and the files of each:
-///   disparity   disparity.pfm (px, +inf: none), disparity.png (16 bit, 1/32 px, 0: none or
-///   negative) depth       depth.pfm (m, NaN: none), depth.png (16 bit, mm, 0: none or above
-///   kMaxPngDepthM) confidence  confidence.png (8 bit), where there is a confidence sigma
-///   depth_sigma.pfm (m, +inf: not known), the same, only of single maps fused       fused.pfm,
-///   fused.png, fused_confidence.png, of a pipeline with memory left        left.png, the image
-///   that the maps belong to cloud, mesh, overview   cloud.ply, mesh.ply, overview.png
-/// Always written is the calibration: camera.json, as in RectifiedPair, and calib.txt, in
-/// Middlebury's format.
+/// What can be written of a frame. Its files:
+/// * disparity.pfm (px, +inf: none), disparity.png (16 bit, 1/32 px, 0: none or negative);
+/// * depth.pfm (m, NaN: none), depth.png (16 bit, mm, 0: none or above kMaxPngDepthM);
+/// * confidence.png (8 bit), where there is a confidence;
+/// * depth_sigma.pfm (m, NaN: no depth, +inf: not known), the same, only of single maps;
+/// * fused.pfm, fused.png, fused_confidence.png, of a pipeline with memory;
+/// * left.png, cloud.ply, mesh.ply, overview.png;
+/// * always the calibration: camera.json, as in RectifiedPair, calib.txt in Middlebury's format.
 inline constexpr std::array kOutputs = {"disparity", "depth", "confidence", "sigma",   "fused",
                                         "left",      "cloud", "mesh",       "overview"};
 
