@@ -72,8 +72,6 @@ image_t ToMessage(const FrameId& id, const cv::Mat& image) {
   return message;
 }
 
-Result<cv::Mat> FromMessage(const image_t& message) { return FromMessage(message, message.data); }
-
 Result<cv::Mat> FromMessage(const image_t& message, std::span<const uint8_t> data) {
   const int bytes_per_pixel = BytesPerPixel(message.pixel_format);
   const bool jpeg = message.pixel_format == image_t::PIXEL_FORMAT_MJPG;
@@ -207,10 +205,6 @@ disparity_image_t ToMessage(const FrameId& id, const DisparityImage& disparity,
   }
   message.size = static_cast<int32_t>(message.data.size());
   return message;
-}
-
-Result<DisparityImage> FromMessage(const disparity_image_t& message) {
-  return FromMessage(message, message.data);
 }
 
 Result<DisparityImage> FromMessage(const disparity_image_t& message,

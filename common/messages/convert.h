@@ -64,7 +64,6 @@ image_t ToMessage(const FrameId& id, const cv::Mat& image);
 /// @param data  bytes that are not in the message, but behind it.
 /// @returns 8UC1 or 8UC3 (BGR); RGB3 is reordered and MJPG decoded on the way.
 Result<cv::Mat> FromMessage(const image_t& message, std::span<const uint8_t> data);
-Result<cv::Mat> FromMessage(const image_t& message);
 
 tof_image_t ToMessage(const FrameId& id, const TofImage& tof);
 /// @returns an image with NaN wherever there is no return, see IsReturn().
@@ -85,7 +84,6 @@ Result<SeedSet> FromMessage(const seeds_t& message);
 disparity_image_t ToMessage(const FrameId& id, const DisparityImage& disparity,
                             DisparityEncoding encoding);
 Result<DisparityImage> FromMessage(const disparity_image_t& message, std::span<const uint8_t> data);
-Result<DisparityImage> FromMessage(const disparity_image_t& message);
 
 /// @pre sigma has the size of the disparities.
 prior_t ToMessage(const FrameId& id, const PriorMap& prior, DisparityEncoding encoding);
@@ -93,7 +91,6 @@ Result<PriorMap> FromMessage(const prior_t& message);
 
 depth_image_t ToMessage(const FrameId& id, const DepthImage& depth);
 Result<DepthImage> FromMessage(const depth_image_t& message, std::span<const uint8_t> data);
-Result<DepthImage> FromMessage(const depth_image_t& message);
 
 point_cloud_t ToMessage(const FrameId& id, const PointCloud& cloud);
 Result<PointCloud> FromMessage(const point_cloud_t& message);

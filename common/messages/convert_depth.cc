@@ -45,10 +45,6 @@ depth_image_t ToMessage(const FrameId& id, const DepthImage& depth) {
   return message;
 }
 
-Result<DepthImage> FromMessage(const depth_image_t& message) {
-  return FromMessage(message, message.depth);
-}
-
 Result<DepthImage> FromMessage(const depth_image_t& message, std::span<const uint8_t> data) {
   const int64_t bytes = 2 * int64_t{message.width} * message.height;
   Checks checks;

@@ -17,7 +17,7 @@ using ::testing::StartsWith;
 
 std::string ErrorOf(image_t message) {
   message.size = static_cast<int32_t>(message.data.size());
-  const Result<cv::Mat> image = FromMessage(message);
+  const Result<cv::Mat> image = FromMessage(message, message.data);
   return image ? "" : image.error().text;
 }
 
@@ -32,7 +32,8 @@ size_t FindFrameHeader(const std::vector<uint8_t>& data) {
 }
 
 TEST(JpegImageMessage, IsDecodedToBgr) {
-  const Result<cv::Mat> image = FromMessage(examples::Jpeg());
+  const image_t message = examples::Jpeg();
+  const Result<cv::Mat> image = FromMessage(message, message.data);
   ASSERT_TRUE(image) << image.error().text;
   ASSERT_EQ(image->type(), CV_8UC3);
   ASSERT_EQ(image->size(), cv::Size(24, 16));
@@ -46,7 +47,7 @@ TEST(JpegImageMessage, StaysGreyWhenTheStreamIs) {
   image_t message = examples::Jpeg();
   cv::imencode(".jpg", cv::Mat(16, 24, CV_8UC1, cv::Scalar(77)), message.data);
   message.size = static_cast<int32_t>(message.data.size());
-  const Result<cv::Mat> image = FromMessage(message);
+  const Result<cv::Mat> image = FromMessage(message, message.data);
   ASSERT_TRUE(image) << image.error().text;
   ASSERT_EQ(image->type(), CV_8UC1);
   EXPECT_NEAR(image->at<uint8_t>(3, 3), 77, 2);

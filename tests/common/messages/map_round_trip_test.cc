@@ -85,7 +85,7 @@ TEST(DepthMessage, IsRefusedWhenItsFieldsDoNotFit) {
   const auto error = [](const auto& change) {
     depth_image_t message = ToMessage(examples::Id(), examples::Depth());
     change(message);
-    return FromMessage(message).error().text;
+    return FromMessage(message, message.depth).error().text;
   };
   EXPECT_THAT(error([](auto& m) { m.width = 0; }), HasSubstr("width = 0"));
   EXPECT_THAT(error([](auto& m) { m.height = 3; }), HasSubstr("size = 12"));

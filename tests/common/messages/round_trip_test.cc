@@ -23,7 +23,7 @@ TEST(ImageMessage, CarriesAViewIntoALargerImage) {
 TEST(ImageMessage, ReordersRgbToBgr) {
   image_t message = ToMessage(examples::Id(), cv::Mat(1, 2, CV_8UC3, cv::Scalar(10, 20, 30)));
   message.pixel_format = image_t::PIXEL_FORMAT_RGB3;
-  const Result<cv::Mat> image = FromMessage(message);
+  const Result<cv::Mat> image = FromMessage(message, message.data);
   ASSERT_TRUE(image) << image.error().text;
   EXPECT_EQ(image->at<cv::Vec3b>(0, 1), cv::Vec3b(30, 20, 10));
 }
@@ -33,14 +33,14 @@ TEST(ImageMessage, SkipsThePaddingBehindEachRow) {
   message.row_stride = 5;
   message.data = {1, 2, 3, 99, 99, 4, 5, 6, 99, 99};
   message.size = 10;
-  const Result<cv::Mat> image = FromMessage(message);
+  const Result<cv::Mat> image = FromMessage(message, message.data);
   ASSERT_TRUE(image) << image.error().text;
   ExpectSamePixels(*image, (cv::Mat1b(2, 3) << 1, 2, 3, 4, 5, 6));
 }
 
 TEST(ImageMessage, DoesNotShareMemoryWithTheMessage) {
   image_t message = ToMessage(examples::Id(), examples::GreyImage());
-  const Result<cv::Mat> image = FromMessage(message);
+  const Result<cv::Mat> image = FromMessage(message, message.data);
   std::fill(message.data.begin(), message.data.end(), uint8_t{0});
   ExpectSamePixels(*image, examples::GreyImage());
 }
