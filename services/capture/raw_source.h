@@ -53,8 +53,7 @@ bool NamesCameras(const std::string& source);
 /// @param waiting  called while cameras of genicam: are waited for; what OpenCV opens waits by
 ///                 itself, and calls once.
 /// @param calibrated  false: no calibration is looked at, so that a rig whose calibration is
-/// useless
-///                    can be calibrated again.
+///                    useless can be calibrated again.
 /// @throws ConfigError naming what is missing or wrong, and where.
 OpenedCameras OpenCameras(const std::string& source, bool loop, scenes::Waiting waiting = {},
                           bool calibrated = true);

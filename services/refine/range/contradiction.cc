@@ -152,7 +152,7 @@ Contradiction FindContradicted(const cv::Mat1b& left, const cv::Mat1b& right,
   if (found.share <= RangeRules::kDifferingShare) return found;
   const CellIndex pixels = InRangeImage(all);
   const double spacing_px = std::max(points.spacing_px.width, points.spacing_px.height);
-  const double step_px = std::max(RangeRules::kAgreePx, SurfaceRules::kSteepest * spacing_px);
+  const double step_px = SurfaceRules::EdgePx(spacing_px);
   const std::vector<size_t> surfaces = SurfacesOf(all, pixels, step_px);
   std::vector<MatchVotes> of_surface(all.size());
   for (size_t i = 0; i < all.size(); ++i) of_surface[surfaces[i]].Add(votes[i]);

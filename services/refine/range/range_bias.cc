@@ -134,8 +134,7 @@ double RangeBias::JudgeNodes() {
 // Whether the images match elsewhere at many of the nodes that they contradict. If not they do not
 // fit each other, as where one is out of focus or a few rows off.
 bool RangeBias::MatchesElsewhere(const RangeInput& input, std::span<const Seed> matches) const {
-  const CellGrid grid(std::max(1.0, double{RangeRules::kMatchReach} * input.left.cols),
-                      input.left.size());
+  const CellGrid grid(std::max(1.0, RangeRules::kMatchReach * input.left.cols), input.left.size());
   cv::Mat1b matched(grid.size, uint8_t{0});
   const double noise = RangeRules::kUnlikeVariance + nodes_.noise();
   for (const Seed& match : matches) {

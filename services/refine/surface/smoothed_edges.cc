@@ -9,15 +9,10 @@
 namespace sprout::refine {
 namespace {
 
-// From which step on two neighbours lie on two surfaces, px.
-double EdgePx(const TofSurface& surface) {
-  return std::max(SurfaceRules::kEdgePx, SurfaceRules::kSteepest * surface.spacing_px());
-}
-
 // Adds the widths of the edges along a line of cells.
 void AddWidths(const TofSurface& surface, cv::Point cell, const cv::Point& way, int length,
                std::vector<double>& widths) {
-  const double edge_px = EdgePx(surface);
+  const double edge_px = SurfaceRules::EdgePx(surface.spacing_px());
   double height_px = 0;  // of the steps of one sign so far
   double highest_px = 0;
   const auto end_edge = [&] {
@@ -66,7 +61,8 @@ double EdgeWidth(const TofSurface& surface) {
 bool IsBesideEdge(const TofSurface& surface, const ProjectedPoint& point, int reach) {
   const cv::Rect cells(0, 0, surface.columns(), surface.rows());
   const cv::Point cell = surface.CellOf(point);
-  const TofSurface::Plane plane = surface.PlaneOf(point, EdgePx(surface));
+  const TofSurface::Plane plane =
+      surface.PlaneOf(point, SurfaceRules::EdgePx(surface.spacing_px()));
   const cv::Point2d slope(plane.slope.x * surface.column_px(), plane.slope.y * surface.row_px());
   for (int y = -1; y <= 1; ++y) {
     for (int x = -1; x <= 1; ++x) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 
 namespace sprout::refine {
@@ -71,6 +72,10 @@ struct SurfaceRules {
   /// Least step between two surfaces, px, and how many of them make an edge.
   static constexpr double kEdgePx = 2;
   static constexpr double kEdgeSteps = 3;
+  /// The same step where neighbours are so far apart, px.
+  static constexpr double EdgePx(double spacing_px) {
+    return std::max(kEdgePx, kSteepest * spacing_px);
+  }
   /// What is wider is a slant, ToF pixels; of fewer edges nothing is told.
   static constexpr double kWidestEdge = 8;
   static constexpr size_t kFewestEdges = 30;
