@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <set>
 #include <span>
@@ -62,6 +64,29 @@ CLI::Validator NumberIn(double low, double high) {
           allowed.str()};
 }
 
+// CLI11 takes 99999999999999999999 for the largest number there is, -1 for a large one where there
+// are no negative ones, and 010 for 8.
+template <typename Number>
+CLI::Validator Whole() {
+  return {[](std::string& text) -> std::string {
+            const std::optional<Number> number = ParseNumber<Number>(text);
+            if (!number) {
+              return "'" + text + "' is not allowed: a whole number up to " +
+                     std::to_string(std::numeric_limits<Number>::max());
+            }
+            text = std::to_string(*number);
+            return {};
+          },
+          ""};
+}
+
+template <typename Value>
+Value ElementOf(const Value&);
+template <typename Value>
+Value ElementOf(const std::optional<Value>&);
+template <typename Value>
+Value ElementOf(const std::vector<Value>&);
+
 // What has to exist is read; nothing that the program writes may replace it.
 CLI::Validator Noted() {
   return {[](const std::string& path) -> std::string {
@@ -83,16 +108,20 @@ CLI::Validator Open() {
 constexpr std::array<std::string_view, 2> kMayBeEmpty = {"--channel-prefix", "COMMAND"};
 
 // An empty text means what no flag means, and that is not what `--log "$FILE"` asks for when FILE
-// is not set.
-void RequireNoEmptyText(const CLI::App& app) {
+// is not set. `--dir=~/logs` would make a folder named ~ here.
+void RequireMeantTexts(const CLI::App& app) {
   for (const CLI::Option* option : app.get_options()) {
     const std::string name = option->get_name();
-    const std::vector<std::string>& texts = option->results();
-    if (std::find(texts.begin(), texts.end(), "") == texts.end()) continue;
     if (std::find(kMayBeEmpty.begin(), kMayBeEmpty.end(), name) != kMayBeEmpty.end()) continue;
-    throw ConfigError(name + " '': allowed is a text that is not empty");
+    for (const std::string& text : option->results()) {
+      if (text.empty()) throw ConfigError(name + " '': allowed is a text that is not empty");
+      if (text != "~" && !text.starts_with("~/")) continue;
+      throw ConfigError(name + " '" + text +
+                        "': shells replace ~ only in front of a word and without quotes; allowed "
+                        "is $HOME, or ./~ for a folder of that name");
+    }
   }
-  for (const CLI::App* command : app.get_subcommands()) RequireNoEmptyText(*command);
+  for (const CLI::App* command : app.get_subcommands()) RequireMeantTexts(*command);
 }
 
 // CLI11 takes the next argument, which may be a flag, for a list of which commas leave nothing.
@@ -272,6 +301,8 @@ Flag Flags::Add(const std::string& name, Value& value, const std::string& help) 
     const size_t space = name.find(' ');
     CLI::Option* const option = app_->add_option(name.substr(0, space), value, help);
     if (space != std::string::npos) option->type_name(name.substr(space + 1));
+    using Element = decltype(ElementOf(value));
+    if constexpr (std::is_integral_v<Element>) option->transform(Whole<Element>());
     return Flag(option);
   }
 }
@@ -368,7 +399,7 @@ bool Flags::Parse(int argc, const char* const* argv) {
     }
     throw ConfigError(ErrorText(e) + " (--help lists the flags)");
   }
-  RequireNoEmptyText(*app_);
+  RequireMeantTexts(*app_);
   return true;
 }
 

@@ -92,8 +92,12 @@ TEST(Flags, RefuseWhatIsNotAllowedAndSayWhatIs) {
   double share = 0;
   int count = 0;
   int64_t any = 0;
+  std::vector<uint64_t> seeds;
   std::string way;
+  std::filesystem::path out;
   flags.Add("--any", any, "");
+  flags.Add("--out", out, "");
+  flags.Add("--seeds", seeds, "").Repeatable();
   flags.Add("--share", share, "").Within(0, 1);
   flags.Add("--count", count, "").WithinWhole(1, 9);
   flags.Add("--way", way, "").OneOf({"up", "down"});
@@ -104,8 +108,17 @@ TEST(Flags, RefuseWhatIsNotAllowedAndSayWhatIs) {
   }
   EXPECT_THAT(ErrorOf(flags, {"--count", "10"}), ContainsRegex("10 not in range \\[?1 (to|-) 9"));
   EXPECT_THAT(ErrorOf(flags, {"--way", "left"}), HasSubstr("left not in {up,down}"));
-  EXPECT_EQ(ErrorOf(flags, {"--any", "5x"}),
-            "--any = 5x: allowed is a number (--help lists the flags)");
+  for (const char* any_text : {"5x", "1.5", "99999999999999999999", "0x10"}) {
+    EXPECT_EQ(ErrorOf(flags, {"--any", any_text}),
+              "--any: '" + std::string(any_text) +
+                  "' is not allowed: a whole number up to 9223372036854775807 (--help lists the "
+                  "flags)");
+  }
+  EXPECT_EQ(ErrorOf(flags, {"--any", "-010"}), "no error");
+  EXPECT_EQ(any, -10);
+  EXPECT_THAT(ErrorOf(flags, {"--seeds", "7", "--seeds", "-1"}), HasSubstr("'-1' is not allowed"));
+  EXPECT_THAT(ErrorOf(flags, {"--out=~/logs"}), HasSubstr("--out '~/logs': shells replace ~ only"));
+  EXPECT_EQ(ErrorOf(flags, {"--out", "./~/logs"}), "no error");
   EXPECT_EQ(ErrorOf(flags, {"--way"}), "--way needs a value (--help lists the flags)");
   EXPECT_EQ(ErrorOf(flags, {"--way", "up", "--way", "down"}),
             "--way is given more than once (--help lists the flags)");
