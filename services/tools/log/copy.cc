@@ -4,14 +4,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <iostream>
 #include <map>
 #include <memory>
 #include <set>
 
 #include "common/config/config.h"
 #include "common/config/frame_range.h"
-#include "common/core/printable.h"
 #include "common/logfile/log_reader.h"
 #include "common/logfile/log_writer.h"
 #include "common/messages/compressor.h"
@@ -19,6 +17,7 @@
 #include "services/tools/log/channel_summary.h"
 #include "services/tools/log/commands.h"
 #include "services/tools/log/event_stream.h"
+#include "services/tools/log/print_line.h"
 #include "services/tools/log/read_progress.h"
 
 namespace sprout::log {
@@ -135,10 +134,10 @@ class MemoryHint {
 
   void Warn() const {
     if (!before_ || options_.warm_up > 0) return;
-    std::cerr << fmt::format(
-        "sprout-log: {}: SPROUT_FUSED depends on earlier frames: a replay of {} begins anew at "
-        "frame {}; --warm-up {} keeps what matters\n",
-        options_.in.string(), options_.out.string(), first_, TemporalConfig().warm_up_frames());
+    PrintWarning(fmt::format(
+        "{}: SPROUT_FUSED depends on earlier frames: a replay of {} begins anew at frame {}; "
+        "--warm-up {} keeps what matters",
+        options_.in.string(), options_.out.string(), first_, TemporalConfig().warm_up_frames()));
   }
 
  private:
@@ -148,7 +147,7 @@ class MemoryHint {
 };
 
 void PrintWritten(const LogWriter& out, const std::filesystem::path& path, int64_t events) {
-  std::cout << fmt::format("{}: {} of {} events\n", Printable(path.string()), out.events(), events);
+  PrintLine(fmt::format("{}: {} of {} events", path.string(), out.events(), events));
 }
 
 using Bytes = std::vector<uint8_t>;
@@ -183,11 +182,9 @@ void ChangeEvents(const std::filesystem::path& in, const std::filesystem::path& 
   writer.Close();
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begun;
   const double mb = static_cast<double>(reader.size()) / 1e6;
-  std::cout << Printable(fmt::format("{}: {} of {} events changed, {:.1f} MB of {:.1f} MB, {:.0f} "
-                                     "MB/s",
-                                     out.string(), changed, writer.events(),
-                                     static_cast<double>(bytes) / 1e6, mb, mb / seconds.count()))
-            << "\n";
+  PrintLine(fmt::format("{}: {} of {} events changed, {:.1f} MB of {:.1f} MB, {:.0f} MB/s",
+                        out.string(), changed, writer.events(), static_cast<double>(bytes) / 1e6,
+                        mb, mb / seconds.count()));
 }
 
 int RunCut(const CutOptions& options) {
@@ -232,8 +229,7 @@ int RunCut(const CutOptions& options) {
   memory.Warn();
   if (kept == 0) throw LogError(options.in, "no event in these frames and channels");
   for (const std::string& name : absent) {
-    std::cerr << "sprout-log: " << options.in.string() << ": no event on " << Printable(name)
-              << "\n";
+    PrintWarning(options.in.string() + ": no event on " + name);
   }
   out.Close();
   PrintWritten(out, options.out, events);
@@ -245,15 +241,15 @@ int RunRepair(const RepairOptions& options) {
   LogWriter out(options.out, options.force, OutputFile::OverInput::kAllowed);
   ReadProgress progress("repairing " + options.in.string(), reader.size());
   int64_t undecodable = 0;
-  std::string report;
+  std::vector<std::string> report;
   for (LogEvent event; reader.Next(event); progress.Update(reader.position())) {
     const std::string reason = WhyUndecodable(event);
     if (!reason.empty()) {
       constexpr int kShown = 20;
       if (++undecodable <= kShown) {
-        report += fmt::format("{}: {}, event {} at byte {}: {}\n",
-                              options.drop_undecodable ? "dropped" : "kept, but undecodable",
-                              event.channel, event.number, event.offset, reason);
+        report.push_back(fmt::format("{}: {}, event {} at byte {}: {}",
+                                     options.drop_undecodable ? "dropped" : "kept, but undecodable",
+                                     event.channel, event.number, event.offset, reason));
       }
       if (options.drop_undecodable) continue;
     }
@@ -264,13 +260,13 @@ int RunRepair(const RepairOptions& options) {
   int64_t lost_bytes = 0;
   for (const LogDamage& damage : reader.damage()) {
     lost_bytes += damage.bytes;
-    report += "lost: " + DamageText(damage) + "\n";
+    report.push_back("lost: " + DamageText(damage));
   }
-  std::cout << report
-            << fmt::format("{}: {} events; {} bytes of {} lost in {} place{}, {} undecodable {}\n",
-                           Printable(options.out.string()), out.events(), lost_bytes, reader.size(),
-                           reader.damage().size(), reader.damage().size() == 1 ? "" : "s",
-                           undecodable, options.drop_undecodable ? "dropped" : "kept");
+  for (const std::string& line : report) PrintLine(line);
+  PrintLine(fmt::format("{}: {} events; {} bytes of {} lost in {} place{}, {} undecodable {}",
+                        options.out.string(), out.events(), lost_bytes, reader.size(),
+                        reader.damage().size(), reader.damage().size() == 1 ? "" : "s", undecodable,
+                        options.drop_undecodable ? "dropped" : "kept"));
   return 0;
 }
 

@@ -12,6 +12,7 @@
 #include "services/tools/log/commands.h"
 #include "services/tools/log/event_stream.h"
 #include "services/tools/log/message_diff.h"
+#include "services/tools/log/print_line.h"
 #include "services/tools/log/read_progress.h"
 
 namespace sprout::log {
@@ -197,7 +198,7 @@ void LogDiff::AddDifference(const EventKey& key, const std::string& text) {
 
 void LogDiff::Print(const std::string& line) {
   progress_.Clear();
-  std::cout << Printable(line) << "\n";
+  PrintLine(line);
 }
 
 std::string LogDiff::Report() const {

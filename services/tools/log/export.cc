@@ -2,7 +2,6 @@
 #include <fmt/core.h>
 
 #include <cctype>
-#include <iostream>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -22,6 +21,7 @@
 #include "common/picture/write_ply.h"
 #include "services/tools/log/commands.h"
 #include "services/tools/log/log_frames.h"
+#include "services/tools/log/print_line.h"
 
 namespace sprout::log {
 namespace {
@@ -118,19 +118,17 @@ class Exporter {
   // @returns whether all frames that could have a cloud have one.
   bool Complain() const {
     if (without_cloud_ > 0) {
-      std::cerr << fmt::format(
-          "sprout-log: no cloud of {} frames: a cloud needs disparity, left image "
-          "and calibration\n",
-          without_cloud_);
+      PrintWarning(
+          fmt::format("no cloud of {} frames: a cloud needs disparity, left image and calibration",
+                      without_cloud_));
     }
     if (without_depth_ > 0) {
-      std::cerr << fmt::format(
-          "sprout-log: no depth of {} frames: a depth needs disparity and calibration, or "
-          "SPROUT_DEPTH\n",
-          without_depth_);
+      PrintWarning(fmt::format(
+          "no depth of {} frames: a depth needs disparity and calibration, or SPROUT_DEPTH",
+          without_depth_));
     }
     if (misfits_ > 1) {
-      std::cerr << fmt::format("sprout-log: no cloud of {} frames that differ in size\n", misfits_);
+      PrintWarning(fmt::format("no cloud of {} frames that differ in size", misfits_));
     }
     return misfits_ == 0;
   }
@@ -150,11 +148,10 @@ class Exporter {
     const RectifiedPair& pair = frame.rig->pair;
     if (!HasCloud(frame)) {
       if (misfits_++ > 0) return;
-      std::cerr << fmt::format(
-          "sprout-log: no cloud of frame {}: disparity map {}, left image {} and calibration {} "
-          "differ in size\n",
+      PrintWarning(fmt::format(
+          "no cloud of frame {}: disparity map {}, left image {} and calibration {} differ in size",
           frame.id.seq, SizeText(frame.disparity->size()), SizeText(frame.left.size()),
-          SizeText(pair.size()));
+          SizeText(pair.size())));
       return;
     }
     if (options_.ply) {

@@ -2,15 +2,14 @@
 
 #include <fmt/core.h>
 
-#include <iostream>
 #include <optional>
 #include <system_error>
 
 #include "common/config/config_error.h"
 #include "common/config/frame_range.h"
-#include "common/core/printable.h"
 #include "common/frames/log_frames.h"
 #include "common/logfile/log_error.h"
+#include "services/tools/log/print_line.h"
 #include "services/tools/log/read_progress.h"
 
 namespace sprout::log {
@@ -69,9 +68,9 @@ void FinishFiles(const std::string& complaint, const FrameFileNames& names,
   if (names.files() == 0) {
     throw LogError(options.file, nothing + (complaint.empty() ? "" : "; " + complaint));
   }
-  if (!complaint.empty()) std::cerr << "sprout-log: " << Printable(complaint) << "\n";
-  std::cout << fmt::format("{}: {} files of {} frames{}\n", Printable(options.folder.string()),
-                           names.files(), names.frames(), names.OthersText());
+  if (!complaint.empty()) PrintWarning(complaint);
+  PrintLine(fmt::format("{}: {} files of {} frames{}", options.folder.string(), names.files(),
+                        names.frames(), names.OthersText()));
 }
 
 }  // namespace sprout::log

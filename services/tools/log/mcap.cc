@@ -25,6 +25,7 @@
 #include "common/ros/mcap_writer.h"
 #include "services/tools/log/channel_summary.h"
 #include "services/tools/log/commands.h"
+#include "services/tools/log/print_line.h"
 #include "services/tools/log/read_progress.h"
 
 namespace sprout::log {
@@ -318,8 +319,7 @@ int RunMcapExport(const PicturesOptions& options, const std::filesystem::path& o
   progress.Clear();
   WarnOfDamage(options.file, reader.damage());
   const std::string complaint = exporter.Complaint();
-  if (!complaint.empty())
-    std::cerr << "sprout-log: " << Printable(options.file.string() + ": " + complaint) << "\n";
+  if (!complaint.empty()) PrintWarning(options.file.string() + ": " + complaint);
   McapWriter& writer = exporter.Finish();
   if (writer.messages() == 0) {
     throw LogError(options.file, "no message of these frames that ROS knows" + exporter.Hint());
@@ -327,7 +327,7 @@ int RunMcapExport(const PicturesOptions& options, const std::filesystem::path& o
   const uint64_t messages = writer.messages();
   if (const Result<void> done = writer.Commit(); !done)
     throw ConfigError("export: " + done.error().text);
-  std::cout << fmt::format("{}: {} messages\n", Printable(out.string()), messages);
+  PrintLine(fmt::format("{}: {} messages", out.string(), messages));
   return 0;
 }
 

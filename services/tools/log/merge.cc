@@ -2,7 +2,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <iostream>
 #include <map>
 #include <memory>
 #include <set>
@@ -11,12 +10,12 @@
 
 #include "common/core/digest.h"
 #include "common/core/output_file.h"
-#include "common/core/printable.h"
 #include "common/logfile/log_error.h"
 #include "common/logfile/log_reader.h"
 #include "common/logfile/log_writer.h"
 #include "services/tools/log/channel_summary.h"
 #include "services/tools/log/commands.h"
+#include "services/tools/log/print_line.h"
 #include "services/tools/log/read_progress.h"
 
 namespace sprout::log {
@@ -131,8 +130,7 @@ int RunMerge(const MergeOptions& options) {
   progress.Clear();
   for (const auto& log : logs) WarnOfDamage(log->path(), log->reader().damage());
   out.Close();
-  std::cout << fmt::format("{}: {} of {} events\n", Printable(options.out.string()), out.events(),
-                           out.events());
+  PrintLine(fmt::format("{}: {} of {} events", options.out.string(), out.events(), out.events()));
   return 0;
 }
 

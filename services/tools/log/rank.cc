@@ -13,12 +13,12 @@
 
 #include "common/config/config_error.h"
 #include "common/core/joined.h"
-#include "common/core/printable.h"
 #include "common/logfile/log_error.h"
 #include "common/measure/frame_quality.h"
 #include "common/picture/frame_pictures.h"
 #include "services/tools/log/commands.h"
 #include "services/tools/log/log_frames.h"
+#include "services/tools/log/print_line.h"
 
 namespace sprout::log {
 namespace {
@@ -90,14 +90,13 @@ void Ranking::Read() {
                                               "answers of the stages, such as SPROUT_DISPARITY{}",
                                               by_.name, complaint.empty() ? "" : "; " + complaint));
   }
-  if (!complaint.empty()) std::cerr << "sprout-log: " << Printable(complaint) << "\n";
+  if (!complaint.empty()) PrintWarning(complaint);
   if (without_images_ == 0) return;
   // (Q2) takes an unknown misfit for a perfect one.
-  std::cerr << fmt::format(
-      "sprout-log: {} of {} frames have no images that fit the map, so no misfit: their scores are "
-      "higher, and comparable among themselves alone; `sprout-log merge` adds the images of a "
-      "recording\n",
-      without_images_, ranked_);
+  PrintWarning(fmt::format(
+      "{} of {} frames have no images that fit the map, so no misfit: their scores are higher, and "
+      "comparable among themselves alone; `sprout-log merge` adds the images of a recording",
+      without_images_, ranked_));
 }
 
 void Ranking::Sort() {
@@ -179,9 +178,8 @@ void Ranking::WritePictures() const {
     if (worst.contains({frame.id.utime, frame.id.seq}))
       WriteFramePictures(frame, {}, names.For(frame.id));
   });
-  std::cerr << fmt::format("{}: {} pictures of the {} worst frames{}\n",
-                           Printable(options_.folder.string()), names.files(), names.frames(),
-                           names.OthersText());
+  PrintWarning(fmt::format("{}: {} pictures of the {} worst frames{}", options_.folder.string(),
+                           names.files(), names.frames(), names.OthersText()));
 }
 
 int RunRank(const RankOptions& options) {

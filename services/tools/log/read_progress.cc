@@ -3,10 +3,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <iostream>
 #include <utility>
 
-#include "common/core/printable.h"
+#include "services/tools/log/print_line.h"
 
 namespace sprout::log {
 namespace {
@@ -40,9 +39,9 @@ void WarnOfDamage(const std::filesystem::path& path, const std::vector<LogDamage
   if (damage.empty()) return;
   int64_t bytes = 0;
   for (const LogDamage& stretch : damage) bytes += stretch.bytes;
-  std::cerr << fmt::format(
-      "sprout-log: {} is damaged in {} place{}, {} bytes were skipped; see sprout-log info\n",
-      Printable(path.string()), damage.size(), damage.size() == 1 ? "" : "s", bytes);
+  PrintWarning(
+      fmt::format("{} is damaged in {} place{}, {} bytes were skipped; see sprout-log info",
+                  path.string(), damage.size(), damage.size() == 1 ? "" : "s", bytes));
 }
 
 }  // namespace sprout::log
