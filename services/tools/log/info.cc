@@ -119,7 +119,7 @@ bool IsOfAnotherGraph(const LogSummary& log) {
 }
 
 bool IsWhole(const LogSummary& log) {
-  if (!log.damage.empty() || IsOfAnotherGraph(log)) return false;
+  if (log.bytes == 0 || !log.damage.empty() || IsOfAnotherGraph(log)) return false;
   return std::all_of(log.channels.begin(), log.channels.end(), [](const auto& entry) {
     return entry.second.undecodable() == 0 && entry.second.sequence().missing() == 0;
   });
@@ -246,6 +246,7 @@ std::string Text(const LogSummary& log, const InfoOptions& options) {
   }
   const std::string remarks = Remarks(log);
   text += remarks.empty() ? "" : "\n" + remarks;
+  if (log.bytes == 0) return text + "the file is empty: nothing was written to it\n";
   return text + (log.damage.empty() ? "no damage\n" : "") +
          (options.config ? ConfigTexts(log) : "");
 }

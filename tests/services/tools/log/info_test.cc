@@ -176,7 +176,10 @@ TEST_F(LogInfo, SaysSoWhenThePrefixIsThatOfNoChannel) {
 }
 
 TEST_F(LogInfo, DescribesAnEmptyLog) {
-  EXPECT_THAT(OutOf({"info", folder_.Write("log", {}), "--check"}), HasSubstr("0.00 MB, 0 events"));
+  const MainOutcome outcome = RunLog({"info", folder_.Write("log", {}), "--check"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("0.00 MB, 0 events\nthe file is empty: nothing was written"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("no damage")));
 }
 
 FrameId Id(int64_t seq, int64_t start = 0) {
