@@ -79,7 +79,8 @@ int LogMain(int argc, const char* const* argv) {
   AddExport(flags);
   AddRank(flags);
   flags.SetFooter(kFooter);
-  return RunProgram(flags, argc, argv, [&] { return RunChosen(flags); });
+  const int exit_code = RunProgram(flags, argc, argv, [&] { return RunChosen(flags); });
+  return std::cout ? exit_code : 2;  // a full disk, say
 }
 
 }  // namespace sprout::log
