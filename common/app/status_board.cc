@@ -265,6 +265,12 @@ std::string LeftOutText(const LeftOut& left_out) {
     text += fmt::format("{} statuses of further processes are not shown: there is room for {}\n",
                         left_out.no_room, StatusBoard::kMaxProcesses);
   }
+  if (left_out.not_joined > 0) {
+    text += fmt::format(
+        "{} times this host could not join the packets of a datagram: packets are lost, or "
+        "net.ipv4.ipfrag_high_thresh is too small\n",
+        left_out.not_joined);
+  }
   return text;
 }
 
@@ -311,6 +317,7 @@ std::string BoardJson(const std::vector<BoardRow>& rows, const std::optional<Lef
   if (left_out) {
     board["unreadable"] = left_out->unreadable;
     board["no_room"] = left_out->no_room;
+    board["not_joined"] = left_out->not_joined;
   }
   board["stages"] = std::move(stages);
   // Names come from the network and need not be UTF-8.

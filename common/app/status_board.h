@@ -33,10 +33,12 @@ struct BoardRow {
   bool error_was_there = false;  ///< last_error is older than the board: the age is a least one
 };
 
-/// Statuses that are in no row.
+/// What is in no row.
 struct LeftOut {
   int64_t unreadable = 0;  ///< messages that are no status
-  int64_t no_room = 0;     ///< of processes beyond StatusBoard::kMaxProcesses
+  int64_t no_room = 0;     ///< statuses of processes beyond StatusBoard::kMaxProcesses
+  /// ReassemblyFailures() of this host since somebody listens.
+  int64_t not_joined = 0;
 };
 
 /// Keeps the newest status of every process that reports, and judges them. Not thread-safe.
@@ -98,12 +100,13 @@ std::string_view NameOf(Health health);
 /// @param colour  with ANSI colours for the health.
 std::string BoardText(const std::vector<BoardRow>& rows, bool colour);
 
-/// A line for people of each kind of status that was left out; empty when none was.
+/// A line for people of each kind of what was left out; empty when nothing was.
 std::string LeftOutText(const LeftOut& left_out);
 
-/// The board as one line of JSON: {"whole": bool, "unreadable": ..., "no_room": ..., "stages":
-/// [{"stage": ..., "health": ..., and the fields of stage_status_t that are numbers or texts}]}.
-/// @param left_out  nothing: it is not known, and the two numbers are not there.
+/// The board as one line of JSON: {"whole": bool, "unreadable": ..., "no_room": ...,
+/// "not_joined": ..., "stages": [{"stage": ..., "health": ..., and the fields of stage_status_t
+/// that are numbers or texts}]}.
+/// @param left_out  nothing: it is not known, and the three numbers are not there.
 std::string BoardJson(const std::vector<BoardRow>& rows,
                       const std::optional<LeftOut>& left_out = {});
 

@@ -1,4 +1,3 @@
-#include <fmt/core.h>
 #include <unistd.h>
 
 #include <cstdint>
@@ -39,19 +38,11 @@ class Listener {
     return board_.Rows(Clock::now());
   }
 
-  // Since it listens, by the kernel.
-  std::string ReassemblyText() const {
-    const int64_t count = ReassemblyFailures() - failures_before_;
-    if (count <= 0) return "";
-    return fmt::format(
-        "{} times this host could not join the packets of a datagram: packets are lost, or "
-        "net.ipv4.ipfrag_high_thresh is too small\n",
-        count);
-  }
-
   LeftOut left_out() const {
     const std::lock_guard lock(mutex_);
-    return board_.left_out();
+    LeftOut left_out = board_.left_out();
+    left_out.not_joined = ReassemblyFailures() - failures_before_;
+    return left_out;
   }
 
  private:
@@ -74,8 +65,7 @@ void Show(const Listener& listener, const Options& options, bool screen) {
     return;
   }
   constexpr std::string_view kHome = "\x1b[H\x1b[J";  // cursor to the corner, rest of screen empty
-  const std::string text =
-      BoardText(rows, screen) + LeftOutText(listener.left_out()) + listener.ReassemblyText();
+  const std::string text = BoardText(rows, screen) + LeftOutText(listener.left_out());
   std::cout << (screen ? kHome : "") << text << std::flush;
 }
 

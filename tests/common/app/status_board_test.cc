@@ -189,9 +189,13 @@ TEST_F(StatusBoardTest, TellsStatusesThatCannotBeReadFromThoseWithoutRoom) {
   EXPECT_EQ(LeftOutText(board_.left_out()),
             "2 statuses could not be read\n"
             "15 statuses of further processes are not shown: there is room for 64\n");
-  const auto json = nlohmann::json::parse(BoardJson(board_.Rows(start_), board_.left_out()));
+  LeftOut all = board_.left_out();
+  all.not_joined = 3;
+  EXPECT_THAT(LeftOutText(all), HasSubstr("\n3 times this host could not join the packets"));
+  const auto json = nlohmann::json::parse(BoardJson(board_.Rows(start_), all));
   EXPECT_EQ(json["unreadable"], 2);
   EXPECT_EQ(json["no_room"], 15);
+  EXPECT_EQ(json["not_joined"], 3);
   EXPECT_FALSE(nlohmann::json::parse(BoardJson({})).contains("no_room")) << "it is not known";
 }
 
