@@ -11,6 +11,7 @@
 
 #include "common/core/depth_of_counts.h"
 #include "common/core/image.h"
+#include "common/core/printable.h"
 #include "services/python/gil.h"
 
 namespace sprout::python {
@@ -134,7 +135,7 @@ void Refuse(const std::string& name, const std::string& expected, const py::hand
     text += "None";
   } else {
     text += std::string(py::str(py::type::handle_of(given).attr("__name__"))) + " " +
-            std::string(py::repr(given)).substr(0, 60);
+            Shortened(Printable(std::string(py::repr(given))), 60);
   }
   throw py::value_error(text);
 }

@@ -61,6 +61,9 @@ std::string NameOf(Part part);
 /// A set of them from a sequence of names; every part from None.
 PartSet TakeParts(const py::handle& names);
 
+/// Sets a Python error of a text in which names of files may have bytes that are not UTF-8.
+void SetError(PyObject* type, const std::string& text);
+
 /// The value, or a ValueError.
 template <typename T>
 T Unwrap(Result<T> result) {

@@ -195,7 +195,7 @@ void WritePly(const PyFrame& frame, const fs::path& path, bool mesh) {
                                                     parts.left, confidence);
   }
   if (written) return;
-  PyErr_SetString(PyExc_OSError, written.error().text.c_str());
+  SetError(PyExc_OSError, written.error().text);
   throw py::error_already_set();
 }
 

@@ -51,7 +51,7 @@ class PyLog {
   PyLog(fs::path path, std::string prefix) : path_(std::move(path)), prefix_(std::move(prefix)) {
     std::error_code unreadable;  // is said by who opens it
     if (!fs::exists(path_, unreadable) && !unreadable) {
-      PyErr_SetString(PyExc_FileNotFoundError, (path_.string() + ": no such file").c_str());
+      SetError(PyExc_FileNotFoundError, path_.string() + ": no such file");
       throw py::error_already_set();
     }
     fetcher_ = std::make_unique<EventFetcher>(path_);

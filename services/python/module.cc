@@ -4,20 +4,29 @@
 #include "common/app/version.h"
 #include "common/bus/lcm_url.h"
 #include "common/config/config_error.h"
+#include "common/core/printable.h"
 #include "common/logfile/log_error.h"
 #include "services/python/bindings.h"
 
+void sprout::python::SetError(PyObject* type, const std::string& text) {
+  PyErr_SetString(type, PrintableLines(text).c_str());
+}
+
 namespace {
+
+using sprout::python::SetError;
 
 void TranslateErrors(std::exception_ptr error) {
   try {
     if (error) std::rethrow_exception(error);
   } catch (const sprout::ConfigError& e) {
-    PyErr_SetString(PyExc_ValueError, e.what());
+    SetError(PyExc_ValueError, e.what());
+  } catch (const pybind11::value_error& e) {
+    SetError(PyExc_ValueError, e.what());
   } catch (const sprout::LogError& e) {
-    PyErr_SetString(PyExc_OSError, e.what());
+    SetError(PyExc_OSError, e.what());
   } catch (const sprout::BusError& e) {
-    PyErr_SetString(PyExc_OSError, e.what());
+    SetError(PyExc_OSError, e.what());
   }
 }
 

@@ -32,14 +32,20 @@ Pose TakePose(const py::object& given) {
   return {Eigen::Quaterniond(rotation).normalized(), matrix.topRightCorner<3, 1>()};
 }
 
+const Rig& TakeRig(const py::object& given) {
+  if (!py::isinstance<Rig>(given)) Refuse("rig", "a Rig", given);
+  return given.cast<const Rig&>();
+}
+
 class PyPipeline {
  public:
   explicit PyPipeline(const SproutConfig& config) : config_(config), pipeline_(config) {}
 
   PyFrame Compute(const py::object& left, const py::object& right, const py::object& tof,
-                  const Rig& rig, std::optional<int64_t> seq, std::optional<int64_t> utime,
-                  const py::object& pose, const py::object& zones) {
+                  const py::object& given_rig, std::optional<int64_t> seq,
+                  std::optional<int64_t> utime, const py::object& pose, const py::object& zones) {
     PyFrame result;
+    const Rig& rig = TakeRig(given_rig);
     Frame& frame = result.frame;
     CameraImage left_image = TakeCameraImage("left", left, rig.pair.size());
     CameraImage right_image = TakeCameraImage("right", right, rig.pair.size());
@@ -110,7 +116,8 @@ class PyPipeline {
 };
 
 inputs::Findings CheckInputsOf(const py::object& left, const py::object& right,
-                               const py::object& tof, const Rig& rig) {
+                               const py::object& tof, const py::object& given_rig) {
+  const Rig& rig = TakeRig(given_rig);
   CameraImage left_image = TakeCameraImage("left", left, rig.pair.size());
   CameraImage right_image = TakeCameraImage("right", right, rig.pair.size());
   EightBits().Convert({&left_image, &right_image});
@@ -144,7 +151,7 @@ compute() works without the interpreter's lock.)")
 As Config(): presets, files, texts, merged; none: all defaults.)")
       .def(
           "compute", &PyPipeline::Compute, py::arg("left"), py::arg("right"),
-          py::arg("tof") = py::none(), py::arg("rig"), py::arg("seq") = py::none(),
+          py::arg("tof") = py::none(), py::arg("rig") = py::none(), py::arg("seq") = py::none(),
           py::arg("utime") = py::none(), py::arg("pose") = py::none(),
           py::arg("zones") = py::none(),
           R"(compute(self, left: numpy.ndarray, right: numpy.ndarray, tof: Union[numpy.ndarray, Tof, None], rig: Rig, seq: Optional[int] = ..., utime: Optional[int] = ..., pose: Optional[numpy.ndarray] = ..., zones: Optional[Zones] = ...) -> Frame

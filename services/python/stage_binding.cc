@@ -70,6 +70,17 @@ PartValue EmptyValue(Part part, cv::Size size) {
   }
 }
 
+// An exception as pybind11 tells it: text, an empty line, and the places that it came through.
+std::string InOneLine(std::string text) {
+  constexpr std::string_view kPlaces = "\n\nAt:\n  ";
+  const size_t places = text.rfind(kPlaces);
+  if (places != std::string::npos) text.replace(places, kPlaces.size(), " at ");
+  for (size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', end)) {
+    text.replace(end, text.find_first_not_of("\n ", end) - end, "; ");
+  }
+  return text;
+}
+
 // A stage whose work a function in Python does. Called by the thread that runs the stage, without
 // the interpreter's lock.
 class PyStage : public StageAdapter {
@@ -94,7 +105,7 @@ class PyStage : public StageAdapter {
       return Answer(frame);
     } catch (const py::error_already_set& error) {  // must not outlive the lock
       if (!error.matches(PyExc_Exception)) EndProgram(error);
-      throw std::runtime_error(error.what());
+      throw std::runtime_error(InOneLine(error.what()));
     } catch (const py::builtin_exception& error) {
       throw std::runtime_error(error.what());
     }

@@ -59,7 +59,7 @@ class StageTest(unittest.TestCase):
             code, text = python("my_stages.py", "grow", "--config", "fast", "--replay", SAMPLE, "--record", record)
             self.assertEqual(code, 1, text)
             self.assertEqual(text.count("confidence is not sent: the configuration does not ask for it"), 1, text)
-            self.assertRegex(text, "odd frames are too much")
+            self.assertRegex(text, r"frame 1: failed: RuntimeError: odd frames are too much at .*my_stages.py\(21\)")
             self.assertRegex(text, r"5 in, 3 out \(0 degenerate\), 2 failed")
             # So does an answer that nobody would take.
             code, text = python("my_stages.py", "refine", "--config", "fast", "--replay", SAMPLE, "--record", record)
