@@ -232,12 +232,20 @@ TEST(RecordScript, RefusesAFlagWithoutItsValue) {
   }
 }
 
+TEST(RecordScript, RefusesANameThatNoFileCanHave) {
+  for (const std::string& name : {std::string(252, 'a'), std::string(), std::string("a/b")}) {
+    Process record({kRecord, name});
+    EXPECT_EQ(record.Wait(), 2) << name;
+    EXPECT_THAT(record.Output(), testing::StartsWith("record: "));
+  }
+}
+
 TEST(Scripts, TakePathsFromWhereTheyAreCalled) {
   const auto exit_code = [](const std::string& command) {
     Process script({"sh", "-c", "cd " SPROUT_SOURCE_DIR "/logs && exec ../scripts/" + command});
     return script.Wait(std::chrono::seconds(60)).value_or(-1);
   };
-  EXPECT_EQ(exit_code("run_graph --source log:sample.lcm --config sample.textproto"), 0);
+  EXPECT_EQ(exit_code("run_graph --source=log:sample.lcm --config sample.textproto"), 0);
   EXPECT_EQ(exit_code("record --config sample.textproto --channels A --seconds 1"), 1);  // no A
 }
 
