@@ -72,6 +72,9 @@ class App {
   }
 
   hello(message) {
+    // After another start it may show another log, or the graph: nothing of what was is kept.
+    const shows = ({mode, file, prefix}) => `${mode} ${file} ${prefix}`;
+    if (this.greeting && shows(this.greeting) !== shows(message)) return location.reload();
     this.greeting = message;
     this.isLog = message.mode === 'log';
     this.colors = new Colors(message.colors);

@@ -208,6 +208,7 @@ export class Panes {
     if (!part) {
       pane.picture.width = pane.picture.height = 1;
       pane.full = undefined;
+      pane.note.textContent = '';
       return;
     }
     const bytes = new Uint8Array(part.buffer, part.start, part.size);

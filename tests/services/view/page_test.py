@@ -267,9 +267,7 @@ def check_too_many(browser):
 def check_log(browser, programs, log):
     programs.stop("view")
     programs.start("view", "--log", log)
-    wait_for_server()
-    browser.open(URL)
-    check("a log shows its first frame", browser.wait("window.sprout && sprout.isLog && sprout.key == 0 && sprout.frames > 0"))
+    check("a log, in a page that showed the graph, shows its first frame", browser.wait("window.sprout && sprout.isLog && sprout.key == 0 && sprout.frames > 0"))
     room = "return [document.getElementById('panes').getBoundingClientRect().right, innerWidth]"
     right, width = browser.run(room)
     check("without statuses the pictures take their room", width >= 1300 and width - right < 20, (right, width))
