@@ -59,8 +59,7 @@ void StatusReporter::PublishStatus() {
 }
 
 void StatusReporter::Publish(std::string_view channel, std::span<const uint8_t> bytes) {
-  if (!publisher_.Publish(channel, bytes))
-    LogLine(LogLevel::kWarning, "{}: could not be published", channel);
+  if (!publisher_.Publish(channel, bytes)) LogLine(LogLevel::kWarning, publisher_.failure());
 }
 
 ProcessInfo LiveProcessInfo(const StageStatus& status, const SproutConfig& config) {

@@ -278,9 +278,8 @@ class Capture {
   // False, and counted, when not all of it could be sent.
   bool Publish(const CaptureMessages& frame) {
     for (const auto& [part, bytes] : frame.messages) {
-      const std::string channel = Channel(part);
-      if (publisher_.Publish(channel, bytes)) continue;
-      monitor_.FrameFailed(frame.id, channel + ": could not be published");
+      if (publisher_.Publish(Channel(part), bytes)) continue;
+      monitor_.FrameFailed(frame.id, publisher_.failure());
       return false;
     }
     return true;
@@ -293,7 +292,7 @@ class Capture {
   void PublishCalibration() {
     const std::vector<uint8_t> calibration = feed_->Calibration();
     if (!calibration.empty() && !publisher_.Publish(ChannelOf(Part::kRig), calibration)) {
-      monitor_.Failure(std::string(ChannelOf(Part::kRig)) + ": could not be published");
+      monitor_.Failure(publisher_.failure());
     }
     next_calibration_ = Clock::now() + kCalibrationPeriod;
   }

@@ -126,7 +126,7 @@ class Watcher {
 
   void Tell(const RigChange& change, const RectifiedPair& pair, std::string& degenerate) {
     if (!publisher_.Publish(kRigChangeChannel, EncodeRigChange(change))) {
-      monitor_.Failure(std::string(kRigChangeChannel) + ": could not be published");
+      monitor_.Failure(publisher_.failure());
     }
     const std::string text = ChangeText(change, pair);
     if (change.verdict == RigChange::Verdict::kUnseen) {

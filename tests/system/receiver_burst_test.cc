@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <future>
 #include <mutex>
 
@@ -30,6 +31,18 @@ TEST(ReceiverSystem, LosesNothingOfABurstWhileItsHandlerIsBusy) {
   std::unique_lock lock(mutex);
   all.wait_for(lock, std::chrono::seconds(30), [&] { return heard == kMessages; });
   EXPECT_EQ(heard, kMessages);
+}
+
+// Of these LCM says that they were sent.
+TEST(PublisherSystem, SaysWhyAMessageOfSeveralDatagramsWasNotSent) {
+  Publisher publisher(kDefaultLcmUrl, "");
+  const std::vector<uint8_t> image(1'000'000);
+  EXPECT_TRUE(publisher.Publish("SPROUT_LEFT", image));
+  ASSERT_EQ(std::system("ip link set lo down"), 0);
+  EXPECT_FALSE(publisher.Publish("SPROUT_LEFT", image));
+  EXPECT_EQ(publisher.failure(), "SPROUT_LEFT: could not be published (Network is unreachable)");
+  ASSERT_EQ(std::system("ip link set lo up && ip route add 224.0.0.0/4 dev lo"), 0);
+  EXPECT_TRUE(publisher.Publish("SPROUT_LEFT", image));
 }
 
 }  // namespace

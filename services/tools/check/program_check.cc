@@ -42,9 +42,7 @@ BusConnection::BusConnection(const std::string& url, const std::vector<std::stri
                 }) {}
 
 void BusConnection::Send(std::string_view channel, std::span<const uint8_t> bytes) {
-  if (!publisher_.Publish(channel, bytes)) {
-    throw BusError(std::string(channel) + ": could not be published");
-  }
+  if (!publisher_.Publish(channel, bytes)) throw BusError(publisher_.failure());
 }
 
 std::optional<Heard> BusConnection::Next(std::chrono::steady_clock::time_point deadline) {

@@ -111,7 +111,7 @@ TEST_F(LiveTest, CountsAnAnswerThatCouldNotBePublishedAsFailed) {
   EXPECT_EQ(status.frames_in, 1);
   EXPECT_EQ(status.frames_out, 0);
   EXPECT_EQ(status.frames_failed, 1);
-  EXPECT_THAT(status.last_error, HasSubstr("SPROUT_SEEDS: could not be published"));
+  EXPECT_THAT(status.last_error, HasSubstr("SPROUT_SEEDS: could not be published ("));
 }
 
 TEST_F(LiveTest, CountsWhatWaitsWhenItStops) {
