@@ -117,8 +117,10 @@ Pace PaceOf(const CaptureConfig& config, const CaptureOptions& options, const Ca
 class Capture {
  public:
   // @param watchdog  of a process whose feed is open.
+  // @param reporter  of the monitor, made here if it is not there.
   Capture(const ServiceContext& context, const CaptureOptions& options, StageMonitor& monitor,
-          Watchdog& watchdog, std::unique_ptr<CaptureFeed> feed)
+          Watchdog& watchdog, std::unique_ptr<CaptureFeed> feed,
+          std::optional<StatusReporter>& reporter)
       : options_(options),
         stop_(context.stop),
         monitor_(monitor),
@@ -127,9 +129,9 @@ class Capture {
         pace_(PaceOf(context.config.capture(), options, *feed_)),
         publisher_(context.lcm_url, context.prefix),
         answers_(context, monitor_, options.wait_for, options.lockstep.has_value()),
-        reporter_(context, monitor_),
         source_(context.config.capture().source()),
         rate_hz_(context.config.capture().rate_hz()) {
+    if (!reporter) reporter.emplace(context, monitor_);
     if (context.config.capture().image_encoding() != CaptureConfig::RAW) {
       encoder_.emplace(context.config.capture());
     }
@@ -307,7 +309,6 @@ class Capture {
   AnswerTracker answers_;
   std::optional<RigUpdates> rig_updates_;
   std::optional<ImageEncoder> encoder_;
-  StatusReporter reporter_;
   int64_t sent_ = 0;
   std::string source_;
   double rate_hz_;
@@ -323,15 +324,17 @@ int RunCapture(const ServiceContext& context, const CaptureOptions& options) {
   StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
   Watchdog watchdog;
   const std::shared_ptr<void> warnings = TakeRosWarnings(monitor);
+  std::optional<StatusReporter> reporter;
   const auto wait = [&](const std::string& reason) {
     watchdog.Idle();
     if (!reason.empty()) monitor.Warn(reason);
+    if (!reporter) reporter.emplace(context, monitor);  // the source may wait to be opened, too
   };
   std::unique_ptr<CaptureFeed> feed = OpenCaptureFeed(
       context.config.capture(),
       {.loop = options.loop, .raw = options.raw, .waiting = wait, .stop = context.stop}, monitor);
   if (!feed) return 0;
-  return Capture(context, options, monitor, watchdog, std::move(feed)).Run();
+  return Capture(context, options, monitor, watchdog, std::move(feed), reporter).Run();
 }
 
 }  // namespace sprout::capture

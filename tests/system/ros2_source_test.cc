@@ -51,14 +51,18 @@ TEST(Ros2System, TakesPairsOfAnotherHost) {
 
 TEST(Ros2System, NamesTheTopicsBesideOneThatIsMistyped) {
   const Host host;
-  Process capture({ProgramPath("sprout-capture"), "--source",
-                   "ros2:left=/cam/lft/image_rect&right=/cam/right/image_rect"});
+  Graph graph;
+  Process& capture = graph.StartOnly(
+      "capture", {"--source", "ros2:left=/cam/lft/image_rect&right=/cam/right/image_rect"});
   const auto camera = host.Run(Send("/cam", 12));
   EXPECT_TRUE(Says(capture,
                    "no message on /cam/lft/camera_info for 5 s; no publisher in domain 0; topics "
                    "of sensor_msgs/msg/CameraInfo there: /cam/left/camera_info "
                    "/cam/right/camera_info"))
       << capture.Output();
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
+    return g.statuses["capture"].last_error.starts_with("no message on /cam/lft/camera_info");
+  })) << "it waits for its calibration, and has no status";
   camera->Signal(SIGKILL);
   capture.Signal(SIGKILL);
 }
