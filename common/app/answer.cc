@@ -43,7 +43,7 @@ std::optional<Answer> MakeAnswer(const Frame& frame, StageAdapter& adapter,
     }
     answer.tof_coverage = CoverageOf(frame, result);
     answer.tof_offset = result.tof_offset;
-    answer.range_error = std::move(result.range_error);
+    answer.finding = std::move(result.finding);
     answer.degenerate = std::move(result.degenerate);
     return answer;
   } catch (const std::exception& e) {

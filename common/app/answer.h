@@ -25,7 +25,7 @@ struct Answer {
   /// none.
   float tof_coverage = kUnknownCoverage;
   TofOffsetStatus tof_offset = {};
-  std::optional<std::string> range_error = {};  ///< as in StageResult
+  std::optional<std::string> finding = {};  ///< as in StageResult
 };
 
 /// The encoding of disparity maps that the configuration chooses.

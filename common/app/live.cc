@@ -91,7 +91,7 @@ void Publish(const Arrival& arrival, const Answer& answer, Publisher& publisher,
   }
   monitor.SetRig(arrival.frame.id.rig_id);
   monitor.SetTofOffset(answer.tof_offset);
-  monitor.SetRangeError(answer.range_error);
+  monitor.SetFinding(answer.finding);
   monitor.FrameOut(arrival.frame.id, arrival.when, answer.degenerate, answer.tof_coverage);
 }
 

@@ -232,7 +232,7 @@ void StageMonitor::SetRig(const std::string& rig_id) {
   rig_id_ = rig_id;
   status_.tof_offset = {};
   ResolveLocked(offset_warning_);
-  ResolveLocked(range_warning_);
+  ResolveLocked(finding_);
 }
 
 void StageMonitor::SetTofOffset(const TofOffsetStatus& offset) {
@@ -253,15 +253,15 @@ void StageMonitor::SetTofOffset(const TofOffsetStatus& offset) {
   LogLine(LogLevel::kWarning, text);
 }
 
-void StageMonitor::SetRangeError(const std::optional<std::string>& text) {
+void StageMonitor::SetFinding(const std::optional<std::string>& text) {
   if (!text) return;
   const std::lock_guard lock(mutex_);
-  if (text->empty()) return ResolveLocked(range_warning_);
-  const bool is_due = now_() >= next_range_warning_;
-  HoldLocked(range_warning_.text, *text, is_due);
+  if (text->empty()) return ResolveLocked(finding_);
+  const bool is_due = now_() >= next_finding_;
+  HoldLocked(finding_.text, *text, is_due);
   if (!is_due) return;
-  next_range_warning_ = now_() + kWarningPeriod;
-  range_warning_.logged = true;
+  next_finding_ = now_() + kWarningPeriod;
+  finding_.logged = true;
   LogLine(LogLevel::kWarning, *text);
 }
 

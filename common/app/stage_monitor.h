@@ -86,9 +86,9 @@ class StageMonitor {
   /// Warns once a minute if it is sure, until the offset is small again.
   void SetTofOffset(const TofOffsetStatus& offset);
 
-  /// How far the range sensor is off, see StageResult::range_error. The status has the newest one,
-  /// unless another error came since; the log has one a minute.
-  void SetRangeError(const std::optional<std::string>& text);
+  /// See StageResult::finding. The status has the newest one, unless another error came since; the
+  /// log has one a minute.
+  void SetFinding(const std::optional<std::string>& text);
 
   /// Time between the exposures of the newest frame, ms.
   void SetSpread(double spread_ms);
@@ -137,10 +137,10 @@ class StageMonitor {
   Clock::time_point trouble_{};    // the newest error or loss
   std::vector<std::string> held_;  // warnings that hold now, the newest last
   Clock::time_point next_offset_warning_{};
-  Clock::time_point next_range_warning_{};
+  Clock::time_point next_finding_{};
   OwnWarning clock_warning_;
   OwnWarning offset_warning_;
-  OwnWarning range_warning_;
+  OwnWarning finding_;
   std::string rig_id_;  // of SetRig()
   bool is_replay_ = false;
 };

@@ -25,9 +25,10 @@ struct StageResult {
   std::string degenerate;
   /// The offset of the ToF camera's points, if the stage measured it in this frame.
   TofOffsetStatus tof_offset = {};
-  /// How far the range sensor is off, as the images of this frame show it, one line for the status;
-  /// empty: it is right; nothing: not known, or not looked for.
-  std::optional<std::string> range_error = {};
+  /// What goes on and is no failure, one line for the status: how far the range sensor is off, as
+  /// the images of this frame show it, or that depths are too far for a message; empty: all is
+  /// well; nothing: not known, or not looked for.
+  std::optional<std::string> finding = {};
   /// Whether no range point was believed, since the sensor cannot be right; `degenerate` says why.
   bool ranges_refused = false;
   /// A picture of the frame for people, 8UC3 (BGR), at most 16384 px a side; empty: none. It is not

@@ -1,5 +1,7 @@
 #include "services/depth/depth_adapter.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <string>
@@ -192,7 +194,16 @@ void DepthAdapter::AddDepths(const Seen& seen, StageResult& result) const {
     result.outputs.push_back(
         {Part::kDepthSigma, DepthSigmaOf(depth, seen.disparity, seen.sigma, pair, scale)});
   }
-  if (config_.publish_depth()) result.outputs.push_back({Part::kDepth, std::move(depth)});
+  if (!config_.publish_depth()) return;
+  result.outputs.push_back({Part::kDepth, std::move(depth)});
+  const double farthest_m = FarthestDepthM(config_.mm_per_count() / 1000);
+  const int too_far = CountTooFar(seen.disparity, pair, farthest_m);
+  result.finding = "";
+  if (too_far == 0) return;
+  result.finding = fmt::format(
+      "SPROUT_DEPTH leaves out {} of {} pixels, which are farther than {:.1f} m; a larger depth {{ "
+      "mm_per_count }} has them",
+      too_far, seen.disparity.CountValid(), farthest_m);
 }
 
 void DepthAdapter::AddClouds(const Seen& seen, bool is_placed, StageResult& result) const {

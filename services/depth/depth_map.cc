@@ -100,6 +100,17 @@ DepthImage DepthOf(const DisparityImage& disparity, const RectifiedPair& pair,
   return depth;
 }
 
+int CountTooFar(const DisparityImage& disparity, const RectifiedPair& pair, double farthest_m) {
+  const auto counts_at = [&](double depth_m) {
+    return std::floor(pair.DisparityFromDepth(depth_m) * DisparityImage::kCountsPerPixel);
+  };
+  const double infinitely_far = std::max(counts_at(std::numeric_limits<double>::infinity()),
+                                         double{DisparityImage::kInvalid});
+  cv::Mat1b too_far;
+  cv::inRange(disparity.counts(), infinitely_far + 1, counts_at(farthest_m), too_far);
+  return cv::countNonZero(too_far);
+}
+
 DepthImage DepthSigmaOf(const DepthImage& depth, const DisparityImage& disparity,
                         const cv::Mat1b& sigma, const RectifiedPair& pair, int scale) {
   assert(disparity.size() == pair.size() && sigma.size() == pair.size());

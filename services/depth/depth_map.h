@@ -19,6 +19,12 @@ namespace sprout::depth {
 DepthImage DepthOf(const DisparityImage& disparity, const RectifiedPair& pair,
                    double metres_per_count, int scale);
 
+/// The limit of those depths, m.
+inline double FarthestDepthM(double metres_per_count) { return 65535.5 * metres_per_count; }
+
+/// How many pixels of a map have a depth that is farther. O(pixels).
+int CountTooFar(const DisparityImage& disparity, const RectifiedPair& pair, double farthest_m);
+
 /// Counts of a standard deviation in one of the depth itself: at half a metre the former is some
 /// hundredths of a millimetre.
 inline constexpr int kSigmaCountsPerDepthCount = 16;

@@ -59,7 +59,7 @@ ChainReport Chain::RunInGrey(Frame& frame, ChainObserver& observer, ChainStep la
   if (!frame.seeds) {
     StageResult outcome = run(ChainStep::kRefine, [&] { return refine_.Process(frame); });
     report.tof_offset = outcome.tof_offset;
-    report.range_error = outcome.range_error;
+    report.range_error = outcome.finding;
     report.ranges_refused = outcome.ranges_refused;
     add("refine", std::move(outcome));
     observer.Refined(*frame.seeds, *frame.left_seeds);

@@ -39,7 +39,7 @@ struct ChainReport {
   /// when all is well.
   std::vector<std::string> warnings;
   TofOffsetStatus tof_offset;              ///< see StageResult
-  std::optional<std::string> range_error;  ///< the same
+  std::optional<std::string> range_error;  ///< StageResult::finding of refine
   bool ranges_refused = false;             ///< the same
 };
 

@@ -47,7 +47,7 @@ class StepMonitors : public ChainObserver {
     monitor.FrameIn(/*skipped=*/false);
     monitor.SetRig(frame.id.rig_id);
     monitor.SetTofOffset(outcome.tof_offset);
-    monitor.SetRangeError(outcome.range_error);
+    monitor.SetFinding(outcome.finding);
     monitor.FrameOut(frame.id, begun_, outcome.degenerate,
                      stage == "temporal" ? kUnknownCoverage
                                          : TofCoverage(frame.seeds->seeds, frame.left.size()));

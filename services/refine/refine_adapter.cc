@@ -44,8 +44,8 @@ void AddLine(StageResult& result, const std::string& line) {
 
 // What is found of the range sensor, before what else is.
 void PutFirst(StageResult& result, const std::string& finding) {
-  const std::string others = result.range_error.value_or("");
-  result.range_error = finding + (others.empty() ? "" : "; " + others);
+  const std::string others = result.finding.value_or("");
+  result.finding = finding + (others.empty() ? "" : "; " + others);
 }
 
 std::string ContradictionText(const Contradiction& contradiction) {
@@ -266,7 +266,7 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
                          "believed");
   }
   outcome.ranges_refused = error.Refuses() || refiner_.are_noise();
-  outcome.range_error = RangeErrorText(error);
+  outcome.finding = RangeErrorText(error);
   if (!refiner_.contradiction().points.empty()) {
     PutFirst(outcome, ContradictionText(refiner_.contradiction()));
   }

@@ -61,12 +61,12 @@ TEST(Answer, HasTheRangeErrorOfTheStage) {
    public:
     PartSet Inputs() const override { return {}; }
     StageResult Process(const Frame&) override {
-      return {.outputs = {}, .degenerate = "", .range_error = "off by +10 mm"};
+      return {.outputs = {}, .degenerate = "", .finding = "off by +10 mm"};
     }
   };
   StageMonitor monitor("stage", "");
   OffAdapter adapter;
-  EXPECT_EQ(MakeAnswer({}, adapter, DisparityEncoding::kRawInt16, monitor).value().range_error,
+  EXPECT_EQ(MakeAnswer({}, adapter, DisparityEncoding::kRawInt16, monitor).value().finding,
             "off by +10 mm");
 }
 

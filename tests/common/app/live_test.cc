@@ -23,8 +23,7 @@ class SeedlessAdapter : public StageAdapter {
  public:
   PartSet Inputs() const override { return {Part::kLeft}; }
   StageResult Process(const Frame&) override {
-    return {
-        .outputs = {{Part::kSeeds, SeedSet{}}}, .degenerate = "", .range_error = "off by +10 mm"};
+    return {.outputs = {{Part::kSeeds, SeedSet{}}}, .degenerate = "", .finding = "off by +10 mm"};
   }
 };
 

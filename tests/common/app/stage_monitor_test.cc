@@ -217,20 +217,20 @@ TEST_F(StageMonitorTest, WarnsOnceAMinuteOfAToFCameraThatIsOff) {
 
 TEST_F(StageMonitorTest, TellsTheNewestRangeErrorUntilItIsOver) {
   const auto error = [&] { return monitor_.Snapshot().last_error; };
-  monitor_.SetRangeError("");
-  monitor_.SetRangeError("off by +10 mm");
+  monitor_.SetFinding("");
+  monitor_.SetFinding("off by +10 mm");
   EXPECT_EQ(error(), "off by +10 mm");
-  monitor_.SetRangeError(std::nullopt);
+  monitor_.SetFinding(std::nullopt);
   EXPECT_EQ(error(), "off by +10 mm") << "not known in this frame";
-  monitor_.SetRangeError("off by +11 mm");
+  monitor_.SetFinding("off by +11 mm");
   EXPECT_EQ(error(), "off by +11 mm");
   monitor_.Failure("the bus is gone");
-  monitor_.SetRangeError("off by +12 mm");
+  monitor_.SetFinding("off by +12 mm");
   EXPECT_EQ(error(), "the bus is gone");
   now_ += std::chrono::minutes(1);
-  monitor_.SetRangeError("off by +13 mm");
+  monitor_.SetFinding("off by +13 mm");
   EXPECT_EQ(error(), "off by +13 mm");
-  monitor_.SetRangeError("");
+  monitor_.SetFinding("");
   EXPECT_EQ(error(), "") << "it was mended";
   const std::vector<std::string> lines = log_.Lines();
   const auto is_warning = [](const std::string& line) {
@@ -255,8 +255,8 @@ TEST_F(StageMonitorTest, SaysNoMoreOftenThatSomethingIsOverThanThatItBegan) {
   for (int64_t seq = 0; seq < 100; seq += 2) {  // frames that differ, within a second
     monitor_.SetTofOffset(off);
     monitor_.SetTofOffset(small);
-    monitor_.SetRangeError("off by +10 mm");
-    monitor_.SetRangeError("");
+    monitor_.SetFinding("off by +10 mm");
+    monitor_.SetFinding("");
     monitor_.FrameOut({.utime = NowUtime() + 60'000'000, .seq = seq, .rig_id = ""}, now_, "");
     monitor_.FrameOut({.utime = NowUtime(), .seq = seq + 1, .rig_id = ""}, now_, "");
     monitor_.HoldWarning("no whole frame");
@@ -298,7 +298,7 @@ TEST_F(StageMonitorTest, HasTheRateOfFramesThatAreFartherApartThanItsWindow) {
 TEST_F(StageMonitorTest, ForgetsWhatWasFoundOfTheRangeSensorOfAnotherCalibration) {
   monitor_.SetRig("with ToF");
   monitor_.SetTofOffset({.u_px = 2.5F, .v_px = -1, .sigma_px = 0.25F, .is_off = true});
-  monitor_.SetRangeError("off by +10 mm");
+  monitor_.SetFinding("off by +10 mm");
   monitor_.SetRig("with ToF");
   EXPECT_EQ(monitor_.Snapshot().tof_offset.u_px, 2.5F);
   EXPECT_EQ(monitor_.Snapshot().last_error, "off by +10 mm");

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
 #include <fstream>
 #include <string>
 
@@ -32,6 +33,15 @@ Frame FrameOf(int64_t seq, cv::Size size = {8, 6}) {
   return frame;
 }
 
+// Two pixels at 160 and 320 m, one at infinity, one without a disparity; the others at 1 m.
+Frame FarFrame() {
+  Frame frame = FrameOf(7);
+  cv::Mat1s counts = frame.disparity->counts().clone();
+  std::copy_n(std::array<int16_t, 4>{2, 1, 0, DisparityImage::kInvalid}.begin(), 4, counts[0]);
+  frame.disparity = DisparityImage(counts);
+  return frame;
+}
+
 std::string ErrorOf(const DepthConfig& config) {
   return Thrown<ConfigError>([&] { DepthAdapter adapter(config); });
 }
@@ -58,6 +68,17 @@ TEST(DepthAdapter, SaysThatACloudIsCutOff) {
   Frame frame = FrameOf(7, {4000, 3001});
   EXPECT_THAT(AddAnswer(adapter, frame), HasSubstr("the cloud ends at 12000000 points"));
   EXPECT_EQ(frame.cloud->points.size(), 12'000'000U);
+}
+
+TEST(DepthAdapter, SaysHowManyDepthsAreTooFarForItsMessage) {
+  DepthConfig config;
+  Frame frame = FarFrame();
+  EXPECT_EQ(
+      DepthAdapter(config).Process(frame).finding,
+      "SPROUT_DEPTH leaves out 2 of 47 pixels, which are farther than 65.5 m; a larger depth { "
+      "mm_per_count } has them");
+  config.set_mm_per_count(5);
+  EXPECT_EQ(DepthAdapter(config).Process(frame).finding, "");
 }
 
 TEST(DepthAdapter, JoinsWhatItNeeds) {

@@ -152,10 +152,10 @@ TEST(RefineAdapter, SaysWhatStereoContradicts) {
   RefineAdapter adapter{RefineConfig()};
   const StageResult result = adapter.Process(FrameOf(scene));
   EXPECT_FALSE(result.ranges_refused);
-  EXPECT_THAT(result.range_error.value_or(""), HasSubstr("stereo contradicts the range points at"));
+  EXPECT_THAT(result.finding.value_or(""), HasSubstr("stereo contradicts the range points at"));
   Frame without = FrameOf(scene);
   without.tof.reset();
-  EXPECT_EQ(adapter.Process(without).range_error.value_or(""), "") << "what is over is not said";
+  EXPECT_EQ(adapter.Process(without).finding.value_or(""), "") << "what is over is not said";
 }
 
 TEST(RefineAdapter, SaysThatARangeImageIsSmoothed) {
@@ -164,7 +164,7 @@ TEST(RefineAdapter, SaysThatARangeImageIsSmoothed) {
     for (int i = 40; i < 60; ++i) scene.SetDisparity(i, j, 30);
   }
   RefineAdapter adapter{RefineConfig()};
-  const auto said = [&] { return adapter.Process(FrameOf(scene)).range_error.value_or(""); };
+  const auto said = [&] { return adapter.Process(FrameOf(scene)).finding.value_or(""); };
   EXPECT_THAT(said(), testing::Not(HasSubstr("smoothed")));
   cv::GaussianBlur(scene.tof.depth_m, scene.tof.depth_m, {}, 1.5);
   EXPECT_THAT(said(), HasSubstr("the range image is smoothed, its depth edges are 3."));
@@ -173,7 +173,7 @@ TEST(RefineAdapter, SaysThatARangeImageIsSmoothed) {
 TEST(RefineAdapter, SaysThatNearSurfacesReachTooFar) {
   BoxScene scene;
   cv::erode(scene.tof.depth_m, scene.tof.depth_m, cv::Mat1b::ones(3, 3));
-  EXPECT_THAT(RefineAdapter{RefineConfig()}.Process(FrameOf(scene)).range_error.value_or(""),
+  EXPECT_THAT(RefineAdapter{RefineConfig()}.Process(FrameOf(scene)).finding.value_or(""),
               HasSubstr("near surfaces of the range image reach up to 1 pixel beyond"));
 }
 
@@ -183,7 +183,7 @@ TEST(RefineAdapter, SaysWhereADisplacedSensorBelongs) {
   EXPECT_TRUE(displaced.ranges_refused);
   EXPECT_THAT(displaced.degenerate, HasSubstr("px further left"));
   EXPECT_THAT(displaced.degenerate, HasSubstr("none is believed"));
-  EXPECT_FALSE(displaced.range_error.has_value());
+  EXPECT_FALSE(displaced.finding.has_value());
   const StageResult right = adapter.Process(FrameOf(BoxScene()));
   EXPECT_FALSE(right.ranges_refused);
   EXPECT_EQ(right.degenerate, "");
@@ -207,7 +207,7 @@ TEST(RefineAdapter, TakesAnEnlargedRangeImageAsItsSensorGaveIt) {
   camera.cy = (camera.cy + 0.5) * kTimes - 0.5;
   const StageResult expected = adapter.Process(FrameOf(scene));
   const StageResult found = adapter.Process(FrameOf(enlarged));
-  EXPECT_THAT(found.range_error.value_or(""), HasSubstr("was enlarged"));
+  EXPECT_THAT(found.finding.value_or(""), HasSubstr("was enlarged"));
   const SeedSet seeds = std::get<SeedSet>(found.outputs.at(0).value);
   SeedSet of_sensor = std::get<SeedSet>(expected.outputs.at(0).value);
   EXPECT_GT(CountTofSeeds(of_sensor.seeds), 1000);

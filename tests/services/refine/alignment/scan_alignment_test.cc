@@ -212,7 +212,7 @@ TEST(RefineAdapter, SaysThatAScanWasMoved) {
     frame.tof = scene.tof;
     frame.rig = scene.rig;
     frame.id.rig_id = RigId(scene.rig);
-    return adapter.Process(frame).range_error.value_or("");
+    return adapter.Process(frame).finding.value_or("");
   };
   EXPECT_THAT(said(ScanScene({.farther_m = 0.3})), HasSubstr("measures at another moment"));
   EXPECT_EQ(said(ScanScene()), "");
