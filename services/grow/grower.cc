@@ -9,7 +9,7 @@
 #include "services/grow/paper/plain_growth.h"
 
 // A pixel whose prior has a standard deviation below GrowthRule::least_open is swept: it chooses
-// among up to nine disparities around the prior, without a queue (sweep/). All others with a prior
+// among up to 15 disparities around the prior, without a queue (sweep/). All others with a prior
 // are "open" and grow best first as in the paper (paper/plain_growth.cc; with EPC its fast twin,
 // sweep/growth_kernel.cc). With preset paper, MNCC and EXPSSD all are open.
 

@@ -19,7 +19,7 @@ namespace sprout::grow {
 /// Grows correspondences from seeds: for EPC with kernels for each instruction set, otherwise with
 /// plain_growth.h, which gives the same.
 ///
-/// Pixels to which the prior leaves up to nine disparities are matched in sweeps over the rows
+/// Pixels to which the prior leaves up to 15 disparities are matched in sweeps over the rows
 /// (README, SweepPlainly()), then the others best first, from the seeds and from what has been
 /// swept (paper, Alg. 1). Where all are open, as with preset paper, nothing is swept.
 ///
