@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <optional>
@@ -55,10 +53,8 @@ CLI::Validator NumberIn(double low, double high) {
   std::ostringstream allowed;
   allowed << "a number from " << low << " to " << high;
   return {[=, text_of_allowed = allowed.str()](const std::string& text) -> std::string {
-            char* end = nullptr;
-            const double value = std::strtod(text.c_str(), &end);
-            const bool is_number = end != text.c_str() && *end == '\0';
-            if (is_number && value >= low && value <= high) return {};
+            const std::optional<double> value = ParseNumber<double>(text);
+            if (value && *value >= low && *value <= high) return {};
             return "'" + text + "' is not allowed: " + text_of_allowed;
           },
           allowed.str()};
@@ -70,12 +66,10 @@ template <typename Number>
 CLI::Validator Whole() {
   return {[](std::string& text) -> std::string {
             const std::optional<Number> number = ParseNumber<Number>(text);
-            if (!number) {
-              return "'" + text + "' is not allowed: a whole number up to " +
-                     std::to_string(std::numeric_limits<Number>::max());
-            }
-            text = std::to_string(*number);
-            return {};
+            if (number) text = std::to_string(*number);
+            return number ? ""
+                          : "'" + text + "' is not allowed: a whole number up to " +
+                                std::to_string(std::numeric_limits<Number>::max());
           },
           ""};
 }
@@ -117,15 +111,14 @@ void RequireMeantTexts(const CLI::App& app) {
       if (text.empty()) throw ConfigError(name + " '': allowed is a text that is not empty");
       if (text != "~" && !text.starts_with("~/")) continue;
       throw ConfigError(name + " '" + text +
-                        "': shells replace ~ only in front of a word and without quotes; allowed "
-                        "is $HOME, or ./~ for a folder of that name");
+                        "': shells replace ~ only in front of a word and without quotes");
     }
   }
   for (const CLI::App* command : app.get_subcommands()) RequireMeantTexts(*command);
 }
 
-// CLI11 takes the next argument, which may be a flag, for a list of which commas leave nothing.
-void RequireNoEmptyElement(const CLI::App& app, std::span<const char* const> arguments) {
+// For a list of commas alone CLI11 takes the next argument, and blanks for letters of names.
+void RequireNames(const CLI::App& app, std::span<const char* const> arguments) {
   for (const CLI::Option* option : app.get_options()) {
     if (option->get_delimiter() != ',') continue;
     const std::string name = option->get_name();
@@ -138,14 +131,15 @@ void RequireNoEmptyElement(const CLI::App& app, std::span<const char* const> arg
       } else {
         continue;
       }
-      if (list.empty() || std::ranges::count(SplitAt(',', list), "") == 0) continue;
+      const auto is_name = [](auto text) { return !text.empty() && text == Trimmed(text); };
+      if (list.empty() || std::ranges::all_of(SplitAt(',', list), is_name)) continue;
       throw ConfigError(name + " '" + std::string(list) +
-                        "': allowed are names with one comma between them");
+                        "': allowed are names with one comma between them, without blanks");
     }
   }
   for (const CLI::App* command : app.get_subcommands({})) {
     if (std::ranges::count(arguments, std::string_view(command->get_name())) == 0) continue;
-    RequireNoEmptyElement(*command, arguments);
+    RequireNames(*command, arguments);
   }
 }
 
@@ -383,7 +377,7 @@ int Flags::RunCommand() const {
 }
 
 bool Flags::Parse(int argc, const char* const* argv) {
-  RequireNoEmptyElement(*app_, {argv, static_cast<size_t>(argc)});
+  RequireNames(*app_, {argv, static_cast<size_t>(argc)});
   try {
     app_->parse(argc, argv);
   } catch (const CLI::Success& e) {  // --help, --version

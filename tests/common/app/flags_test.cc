@@ -58,15 +58,16 @@ TEST(Flags, SetWhatIsGivenAndLeaveTheRest) {
   EXPECT_FALSE(is_long);
 }
 
-TEST(Flags, RefuseAListWithAnEmptyElement) {
+TEST(Flags, RefuseAListWithAnEmptyElementOrBlanks) {
   Flags flags("probe", "Probes flags");
   std::vector<std::string> names, more;
   bool is_loud = false;
   flags.Add("--names", names, "").SplitAtCommas();
   flags.Add("--loud", is_loud, "");
   flags.AddCommand("go", "", [] { return 0; }).Add("--more", more, "").SplitAtCommas();
-  for (const std::string list : {",", "x,", ",x", "x,,y"}) {
-    const std::string error = "'" + list + "': allowed are names with one comma between them";
+  for (const std::string list : {",", "x,", ",x", "x,,y", "x, y"}) {
+    const std::string error =
+        "'" + list + "': allowed are names with one comma between them, without blanks";
     EXPECT_EQ(ErrorOf(flags, {"--names", list.c_str(), "--loud"}), "--names " + error);
     EXPECT_EQ(ErrorOf(flags, {("--names=" + list).c_str(), "--loud"}), "--names " + error);
     EXPECT_EQ(ErrorOf(flags, {"go", "--more", list.c_str()}), "--more " + error);
