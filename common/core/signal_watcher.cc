@@ -5,6 +5,8 @@
 #include <ucontext.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -12,6 +14,8 @@
 
 namespace sprout {
 namespace {
+
+using namespace std::chrono_literals;
 
 // Makes the thread look whether it is over. Nobody else sends it, and where it is not waited for it
 // does nothing.
@@ -48,6 +52,18 @@ bool IsIgnored(int signal) {
 
 volatile std::sig_atomic_t came = 0;
 
+std::atomic<int64_t> first_ns = 0;  // when it came
+
+int64_t NowNs() { return std::chrono::steady_clock::now().time_since_epoch() / 1ns; }
+
+// What comes so soon after the first signal is the same wish: timeout(1) sends one to the process
+// and another one to its group.
+void EndAtSecond(int signal) {
+  if (NowNs() - first_ns < 100ms / 1ns) return;
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
 }  // namespace
 
 SignalWatcher::SignalWatcher(std::chrono::microseconds grace, std::function<void(int)> told)
@@ -75,8 +91,10 @@ void SignalWatcher::Watch(const std::stop_token& stop) {
     if (stop.stop_requested()) return;
     sigwait(&signals_, &signal);
   }
+  first_ns = NowNs();
   // Whoever started this process may have told it to ignore or block them.
-  for (const int ending : {SIGINT, SIGTERM, SIGALRM}) std::signal(ending, SIG_DFL);
+  for (const int ending : {SIGINT, SIGTERM}) std::signal(ending, EndAtSecond);
+  std::signal(SIGALRM, SIG_DFL);
   // A terminal that goes sends one, and its shell another one.
   std::signal(SIGHUP, SIG_IGN);
   sigaddset(&signals_, SIGALRM);
@@ -93,8 +111,9 @@ Interrupt::Interrupt() {
   came = 0;
   for (const int signal : {SIGINT, SIGTERM}) {
     std::signal(signal, [](int number) {
+      if (came != 0) return EndAtSecond(number);
+      first_ns = NowNs();
       came = 1;
-      std::signal(number, SIG_DFL);
     });
   }
 }

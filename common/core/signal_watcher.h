@@ -12,8 +12,9 @@ namespace sprout {
 /// Requests a stop when SIGINT or SIGTERM comes, or SIGHUP (the terminal is gone) unless it is
 /// ignored already, for programs that wait for something; Interrupt is for loops that only compute.
 /// The signals are blocked in every thread and received by one that waits for them, so no code of
-/// the program runs in a signal handler. A second SIGINT or SIGTERM has the kernel's default
-/// action: it ends the process even if its threads hang in a read, a write or a long computation.
+/// the program runs in a signal handler. A second SIGINT or SIGTERM, a tenth of a second later or
+/// more, has the kernel's default action: it ends the process even if its threads hang in a read, a
+/// write or a long computation.
 /// So does SIGALRM after the grace period. Create it before other threads; those that exist already
 /// (a library's, in somebody else's program) pass on the first signal.
 class SignalWatcher {
@@ -43,8 +44,8 @@ class Interrupted : public std::runtime_error {
   Interrupted() : std::runtime_error("interrupted") {}
 };
 
-/// Records SIGINT and SIGTERM while it exists; a second one ends the program at once. Only one
-/// object at a time.
+/// Records SIGINT and SIGTERM while it exists; a second one, as above, ends the program at once.
+/// Only one object at a time.
 class Interrupt {
  public:
   Interrupt();

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <csignal>
 #include <future>
+#include <thread>
 
 #include "common/core/signal_watcher.h"
 #include "common/core/sleep.h"
@@ -26,6 +27,9 @@ TEST(InterruptDeathTest, EndsTheProgramAtTheSecondSignalAndAfterItsLife) {
   const auto twice = [] {
     const Interrupt interrupt;
     std::raise(SIGINT);
+    std::raise(SIGINT);  // as timeout(1) does
+    EXPECT_TRUE(Interrupt::requested());
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
     std::raise(SIGINT);
   };
   EXPECT_EXIT(twice(), ::testing::KilledBySignal(SIGINT), "");
@@ -50,6 +54,21 @@ TEST(SignalWatcherDeathTest, RequestsAStopAndTellsWhichSignalItWas) {
   EXPECT_EXIT(watch(SIGINT), ::testing::ExitedWithCode(0), "");
   EXPECT_EXIT(watch(SIGTERM), ::testing::ExitedWithCode(0), "");
   EXPECT_EXIT(watch(SIGHUP), ::testing::ExitedWithCode(0), "");
+}
+
+// timeout(1) sends the second one at once.
+TEST(SignalWatcherDeathTest, EndsAtTheSecondSignalButNotAtAnEchoOfTheFirst) {
+  const auto watch = [](int milliseconds) {
+    const SignalWatcher watcher;
+    kill(getpid(), SIGTERM);
+    SleepFor(std::chrono::seconds(30), watcher.token());
+    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+    kill(getpid(), SIGTERM);
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    _exit(0);
+  };
+  EXPECT_EXIT(watch(0), ::testing::ExitedWithCode(0), "");
+  EXPECT_EXIT(watch(1000), ::testing::KilledBySignal(SIGTERM), "");
 }
 
 TEST(SignalWatcherDeathTest, OutlivesItsTerminalWhenItIsToldTo) {
