@@ -195,13 +195,14 @@ cv::Mat1b TakeBytes(const std::string& name, const py::handle& given, std::optio
   return is_mask ? cv::Mat1b(bytes != 0) : bytes;
 }
 
-TofImage TakeTof(const std::string& name, const py::handle& given, std::optional<cv::Size> size) {
+TofImage TakeTof(const py::handle& given, cv::Size size) {
   if (given.is_none()) return {};
+  if (size.empty()) Refuse("tof", "None, since the rig has no ToF camera (Rig.with_tof)", given);
   if (!py::isinstance<TofImage>(given))
-    return {.depth_m = TakeDepth(name, given, size), .amplitude = {}};
+    return {.depth_m = TakeDepth("tof", given, size), .amplitude = {}};
   auto tof = given.cast<TofImage>();
-  if (size && tof.depth_m.size() != *size) {
-    Refuse(name + ".depth_m", Expected("float32 (m)", size, false), ToArray(tof.depth_m));
+  if (tof.depth_m.size() != size) {
+    Refuse("tof.depth_m", Expected("float32 (m)", size, false), ToArray(tof.depth_m));
   }
   return tof;
 }

@@ -60,8 +60,9 @@ cv::Mat1b TakeSigmas(const std::string& name, const py::handle& array,
 cv::Mat1b TakeBytes(const std::string& name, const py::handle& array, std::optional<cv::Size> size,
                     bool mask = false);
 
-/// A range image: None, an array as TakeDepth() takes it, or a Tof.
-TofImage TakeTof(const std::string& name, const py::handle& tof, std::optional<cv::Size> size);
+/// Argument tof: None, an array as TakeDepth() takes it, or a Tof.
+/// @param size  of the rig's ToF camera; 0×0: it has none.
+TofImage TakeTof(const py::handle& given, cv::Size size);
 
 /// Seeds from an array of SEED, (N,).
 std::vector<Seed> TakeSeeds(const std::string& name, const py::handle& array);

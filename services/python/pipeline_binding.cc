@@ -52,10 +52,7 @@ class PyPipeline {
     eight_bits_.Convert({&left_image, &right_image});
     frame.left = left_image.pixels;
     frame.right = right_image.pixels;
-    if (!tof.is_none() && rig.tof.width == 0) {
-      Refuse("tof", "None, since the rig has no ToF camera (Rig.with_tof)", tof);
-    }
-    frame.tof = TakeTof("tof", tof, cv::Size(rig.tof.width, rig.tof.height));
+    frame.tof = TakeTof(tof, cv::Size(rig.tof.width, rig.tof.height));
     frame.rig = rig;
     if (!zones.is_none()) {
       if (!py::isinstance<TofZones>(zones)) Refuse("zones", "Zones or None", zones);
@@ -121,10 +118,7 @@ inputs::Findings CheckInputsOf(const py::object& left, const py::object& right,
   CameraImage left_image = TakeCameraImage("left", left, rig.pair.size());
   CameraImage right_image = TakeCameraImage("right", right, rig.pair.size());
   EightBits().Convert({&left_image, &right_image});
-  if (!tof.is_none() && rig.tof.width == 0) {
-    Refuse("tof", "None, since the rig has no ToF camera (Rig.with_tof)", tof);
-  }
-  const TofImage ranges = TakeTof("tof", tof, cv::Size(rig.tof.width, rig.tof.height));
+  const TofImage ranges = TakeTof(tof, cv::Size(rig.tof.width, rig.tof.height));
   const Unlocked free;
   return inputs::CheckInputs(left_image.pixels, right_image.pixels, ranges, rig);
 }

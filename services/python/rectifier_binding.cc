@@ -26,7 +26,7 @@ class PyRectifier {
     const RawRig& raw = rectifier_.raw();
     CameraImage raw_left = TakeCameraImage("left", left, raw.left.size());
     CameraImage raw_right = TakeCameraImage("right", right, raw.right.size());
-    TofImage ranges = TakeTof("tof", tof, raw.tof.size());
+    TofImage ranges = TakeTof(tof, raw.tof.size());
     ranges.depth_m = ranges.depth_m.clone();  // is worked on in place
     eight_bits_.Convert({&raw_left, &raw_right});
     if (const std::string note = eight_bits_.TakeNote(); !note.empty()) {

@@ -83,6 +83,8 @@ class RigTest(unittest.TestCase):
             left, right, tof = rectifier.rectify(image, image)
             self.assertEqual((left.shape, right.dtype, tof), ((48, 64), numpy.uint8, None))
             self.assertEqual(left[24, 32], 90)
+            with self.assertRaisesRegex(ValueError, "tof: expected None, since the rig has no ToF camera"):
+                rectifier.rectify(image, image, image.astype(numpy.float32))
             image[:, 48:] = 255
             with self.assertWarnsRegex(UserWarning, "16 bits"):  # of which 10 are used
                 deep, _, _ = rectifier.rectify(image.astype(numpy.uint16) * 4, image.astype(numpy.uint16) * 4)
