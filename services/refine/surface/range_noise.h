@@ -8,7 +8,8 @@
 
 namespace sprout::refine {
 
-/// By how much a point of a range sensor lies beside the mean of its neighbours on either side.
+/// By how much a point of a range sensor lies beside the mean of its neighbours on either side:
+/// along its row or its column, whichever is more.
 struct Deviation {
   float disparity_px;
   float off_px;  ///< ≥ 0

@@ -20,8 +20,12 @@ struct SurfaceRules {
   /// Quantile of the deviations from which σ is estimated. It is low because points on curved
   /// surfaces and edges deviate as well, but they are few.
   static constexpr double kNoiseShare = 0.2;
-  /// The same quantile of |x| for a normal distribution of σ = 1.
-  static constexpr double kNoiseQuantile = 0.2533;
+  /// The same quantile of max(|x|, |y|) for normal distributions of σ = 1 with a correlation of
+  /// 2/3: both have the point itself.
+  static constexpr double kNoiseQuantile = 0.522;
+  /// What neighbours along an axis differ by for the shape of the scene, px a px that they are
+  /// farther apart than along the other axis: κ of (R11).
+  static constexpr double kShapePerPx = 0.025;
   /// Variance of a point less the mean of two others, for points of σ = 1: 1 + 2 / 4.
   static constexpr double kNoiseVariance = 1.5;
   /// How the noise depends on the disparity is seen in so many deviations at most, of so many

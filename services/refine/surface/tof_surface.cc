@@ -104,12 +104,18 @@ void TofSurface::Set(const Rig& rig, std::span<const ProjectedPoint> points) {
 const RangeNoise& TofSurface::Noise(std::span<const ProjectedPoint> points) {
   if (noise_) return *noise_;
   deviations_.clear();
+  const double least_px = std::min(column_px_, row_px_);
+  const auto shape_px = [&](double step_px) {
+    return static_cast<float>(SurfaceRules::kShapePerPx * (step_px - least_px));
+  };
   for (const ProjectedPoint& point : points) {
     const float* at = At(point);
-    for (const std::ptrdiff_t step : {std::ptrdiff_t{1}, stride_}) {
-      const float off = *at - (at[step] + at[-step]) / 2;
-      if (!std::isnan(off)) deviations_.push_back({.disparity_px = *at, .off_px = std::abs(off)});
-    }
+    const auto off_px = [&](std::ptrdiff_t step, double step_px) {
+      return std::abs(*at - (at[step] + at[-step]) / 2) - shape_px(step_px);
+    };
+    const float off = std::fmax(off_px(1, column_px_), off_px(stride_, row_px_));  // or that known
+    if (std::isnan(off)) continue;
+    deviations_.push_back({.disparity_px = *at, .off_px = std::max(0.0F, off)});
   }
   return noise_.emplace(FindRangeNoise(deviations_, infinity_px_));
 }

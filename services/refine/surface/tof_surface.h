@@ -91,7 +91,8 @@ class TofSurface {
   Plane PlaneOf(const ProjectedPoint& point, double tolerance_px) const;
 
   /// Standard deviation of the points' disparities, estimated from how far they lie from the mean
-  /// of the neighbours on either side. 0 when they show none.
+  /// of the neighbours on either side: along the axis where that is more, since rows, columns or
+  /// beams may each have an error of their own. 0 when they show none.
   /// @param points  those that the surface was made of.
   /// O(ToF pixels) at the first call, then O(1).
   const RangeNoise& Noise(std::span<const ProjectedPoint> points);

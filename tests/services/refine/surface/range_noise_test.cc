@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
 
@@ -16,9 +17,13 @@ std::vector<Deviation> DeviationsOf(double scale, int power, int count) {
   std::vector<Deviation> deviations;
   for (int i = 0; i < count; ++i) {
     const double above_px = random.uniform(10.0, 200.0);
-    const double sigma_px = scale * std::pow(above_px, power) * std::sqrt(1.5);
+    const double sigma_px = scale * std::pow(above_px, power);
+    const auto of_neighbours = [&] { return random.gaussian(sigma_px * std::sqrt(0.5)); };
+    const double own = random.gaussian(sigma_px);
+    const double off_px =
+        std::max(std::abs(own - of_neighbours()), std::abs(own - of_neighbours()));
     deviations.push_back({.disparity_px = static_cast<float>(above_px + kInfinityPx),
-                          .off_px = static_cast<float>(std::abs(random.gaussian(sigma_px)))});
+                          .off_px = static_cast<float>(off_px)});
   }
   return deviations;
 }

@@ -303,6 +303,19 @@ TEST(TofSurface, EstimatesTheNoiseOfItsPointsAndNotTheirShape) {
   EXPECT_EQ(TofSurface().Noise({}).middle_px, 0);
 }
 
+TEST(TofSurface, EstimatesTheNoiseOfRowsThatHaveAnErrorEach) {
+  cv::RNG random(5);
+  Rig rig = SomeRig();
+  rig.tof.width = 60;
+  rig.tof.height = 50;
+  std::vector<ProjectedPoint> points;
+  for (int j = 0; j < 50; ++j) {
+    const double of_row_px = random.gaussian(2);
+    for (int i = 0; i < 60; ++i) points.push_back(Point(i, j, static_cast<float>(40 + of_row_px)));
+  }
+  EXPECT_GT(TofSurface(rig, points).Noise(points).middle_px, 0.4);
+}
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Texture, and the same 6 px further left.
