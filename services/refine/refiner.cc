@@ -79,12 +79,14 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
     for (ProjectedPoint& point : points_) point.seed.sigma_px = 0;
     if (config_.range_bias() != RefineConfig::OFF) MoveToTruth(left, right, tof, projector, result);
     noise_ = Noise(left, right);
+    const bool coarse = stereo_.IsCoarse(surface_.spacing_px(), left.cols);
     for (ProjectedPoint& point : points_) {
       Seed& seed = point.seed;
-      seed.sigma_px =
-          std::clamp(std::hypot(seed.sigma_px, static_cast<float>(noise_.PxAt(seed.disparity()))),
-                     static_cast<float>(SurfaceRules::kMinSigmaPx),
-                     static_cast<float>(SurfaceRules::kMaxSigmaPx));
+      const double noise_px =
+          coarse ? noise_.PxAt(seed.disparity()) : surface_.NoisePxAt(point, noise_);
+      seed.sigma_px = std::clamp(std::hypot(seed.sigma_px, static_cast<float>(noise_px)),
+                                 static_cast<float>(SurfaceRules::kMinSigmaPx),
+                                 static_cast<float>(SurfaceRules::kMaxSigmaPx));
     }
     KeepReliable(left, right, tof, result);
     KeepVisible(left, right, result);

@@ -120,6 +120,17 @@ RangeNoise FindRangeNoise(const std::vector<Deviation>& deviations, double infin
   return noise;
 }
 
+std::vector<double> NoiseOfBlocks(const std::vector<Deviation>& deviations, size_t blocks) {
+  std::vector<std::vector<float>> offs(blocks);
+  for (const Deviation& deviation : deviations) offs[deviation.block].push_back(deviation.off_px);
+  std::vector<double> noise_px;
+  for (std::vector<float>& of_block : offs) {
+    const bool few = of_block.size() < SurfaceRules::kFewestOfBlock;
+    noise_px.push_back(few ? 0 : SigmaOf(of_block));
+  }
+  return noise_px;
+}
+
 double ImageNoisePx(const cv::Mat1b& left, const cv::Mat1b& right,
                     std::span<const ProjectedPoint> points) {
   std::vector<Match> matches;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <opencv2/core.hpp>
 #include <span>
 #include <vector>
@@ -12,7 +13,8 @@ namespace sprout::refine {
 /// along its row or its column, whichever is more.
 struct Deviation {
   float disparity_px;
-  float off_px;  ///< ≥ 0
+  float off_px;      ///< ≥ 0
+  size_t block = 0;  ///< of NoiseOfBlocks()
 };
 
 /// Standard deviation of range points as a function of their disparity, see "noise" in the README:
@@ -31,6 +33,9 @@ struct RangeNoise {
 /// The noise that the deviations show: with k such that s differs least between near and far. Of no
 /// deviation 0. O(deviations), and 3000 of them are sorted.
 RangeNoise FindRangeNoise(const std::vector<Deviation>& deviations, double infinity_px);
+
+/// The noise that the deviations of each block show, px; 0 where they are few. O(deviations).
+std::vector<double> NoiseOfBlocks(const std::vector<Deviation>& deviations, size_t blocks);
 
 /// Standard deviation of the points' disparities, px, by how far beside them the images match best.
 /// In contrast to FindRangeNoise() it does not take the shape of what lies between points that

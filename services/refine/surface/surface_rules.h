@@ -37,6 +37,13 @@ struct SurfaceRules {
   /// smallest noise. Simulated SR4000s, whose noise differs by what is dark, have ratios of up to
   /// 2.6, of which 0.6 and more are left; a sensor with the same noise in metres 14, of which 0.1.
   static constexpr double kEvener = 0.5;
+  /// Side of a block whose noise is looked at, cells, and the fewest deviations of one. It counts
+  /// from so many px and times the noise of the frame on: right sensors have as much in hardly more
+  /// than the dark parts of Art (NOTES.md).
+  static constexpr int kBlockCells = 8;
+  static constexpr size_t kFewestOfBlock = 25;
+  static constexpr double kNoisyBlockPx = 3;
+  static constexpr double kNoisyBlock = 3;
   /// How far beside a point they are matched, px.
   static constexpr int kMatchReachPx = 3;
   /// Most points that are looked at: enough for a median of a quarter of them, good to 10 %.

@@ -115,9 +115,21 @@ const RangeNoise& TofSurface::Noise(std::span<const ProjectedPoint> points) {
     };
     const float off = std::fmax(off_px(1, column_px_), off_px(stride_, row_px_));  // or that known
     if (std::isnan(off)) continue;
-    deviations_.push_back({.disparity_px = *at, .off_px = std::max(0.0F, off)});
+    deviations_.push_back(
+        {.disparity_px = *at, .off_px = std::max(0.0F, off), .block = BlockOf(point)});
   }
+  constexpr int kSide = SurfaceRules::kBlockCells;
+  block_noise_px_ = NoiseOfBlocks(
+      deviations_, static_cast<size_t>((columns() / kSide + 1) * (rows_ / kSide + 1)));
   return noise_.emplace(FindRangeNoise(deviations_, infinity_px_));
+}
+
+double TofSurface::NoisePxAt(const ProjectedPoint& point, const RangeNoise& noise) const {
+  const double of_frame_px = noise.PxAt(point.seed.disparity());
+  const double around_px = block_noise_px_[BlockOf(point)];
+  const bool is_noisy =
+      around_px > std::max(SurfaceRules::kNoisyBlockPx, SurfaceRules::kNoisyBlock * of_frame_px);
+  return is_noisy ? around_px : of_frame_px;
 }
 
 bool TofSurface::IsIsolated(const ProjectedPoint& point, double tolerance_px) const {

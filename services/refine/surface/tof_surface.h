@@ -10,6 +10,7 @@
 #include "common/geometry/projection.h"
 #include "services/refine/surface/cell_lists.h"
 #include "services/refine/surface/range_noise.h"
+#include "services/refine/surface/surface_rules.h"
 
 namespace sprout::refine {
 
@@ -97,6 +98,12 @@ class TofSurface {
   /// O(ToF pixels) at the first call, then O(1).
   const RangeNoise& Noise(std::span<const ProjectedPoint> points);
 
+  /// Standard deviation of a point's disparity, px: that of the frame's noise, or of the block of
+  /// cells around the point where it is far noisier.
+  /// @param noise  what Noise() returned, of the same points.
+  /// O(1); thread-safe.
+  double NoisePxAt(const ProjectedPoint& point, const RangeNoise& noise) const;
+
   /// Whether a point is isolated: fewer than two of the eight cells around have a
   /// disparity within `tolerance_px`. Flying pixels, whose light comes from two surfaces so that
   /// they lie on neither, and outliers of the noise.
@@ -161,6 +168,10 @@ class TofSurface {
     return static_cast<size_t>((point.tof_v / row_step_ + 1) * stride_ +
                                point.tof_u / column_step_ + 1);
   }
+  size_t BlockOf(const ProjectedPoint& point) const {
+    const cv::Point block = CellOf(point) / SurfaceRules::kBlockCells;
+    return static_cast<size_t>(block.y * (columns() / SurfaceRules::kBlockCells + 1) + block.x);
+  }
   const float* At(const ProjectedPoint& point) const { return disparity_.data() + IndexOf(point); }
   // The cell of a point among those for pieces, which are as high as from one beam to the next.
   size_t PieceCell(const ProjectedPoint& point) const {
@@ -187,6 +198,7 @@ class TofSurface {
   std::vector<int> gaps_;
   std::vector<Deviation> deviations_;
   std::optional<RangeNoise> noise_;       // once it was asked for
+  std::vector<double> block_noise_px_;    // the same
   std::vector<int32_t> nearest_of_cell_;  // index of a point, −1 = none; cells for pieces
   std::vector<Piece> pieces_;
   View left_;

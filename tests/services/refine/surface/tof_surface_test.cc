@@ -316,6 +316,28 @@ TEST(TofSurface, EstimatesTheNoiseOfRowsThatHaveAnErrorEach) {
   EXPECT_GT(TofSurface(rig, points).Noise(points).middle_px, 0.4);
 }
 
+TEST(TofSurface, EstimatesTheNoiseOfPatchesThatAreFarNoisier) {
+  cv::RNG random(5);
+  Rig rig = SomeRig();
+  rig.tof.width = 64;
+  rig.tof.height = 48;
+  std::vector<ProjectedPoint> points;
+  const auto is_noisy = [](int i, int j) { return i >= 16 && i < 32 && j >= 16 && j < 32; };
+  for (int j = 0; j < 48; ++j) {
+    for (int i = 0; i < 64; ++i) {
+      const double noise_px = is_noisy(i, j) ? 6 : 0.5;
+      points.push_back(Point(i, j, static_cast<float>(40 + random.gaussian(noise_px))));
+    }
+  }
+  TofSurface surface(rig, points);
+  const RangeNoise noise = surface.Noise(points);
+  EXPECT_NEAR(noise.middle_px, 0.5, 0.1);
+  for (const ProjectedPoint& point : points) {
+    const bool noisy = is_noisy(point.tof_u, point.tof_v);
+    EXPECT_NEAR(surface.NoisePxAt(point, noise), noisy ? 6 : noise.middle_px, noisy ? 2 : 0);
+  }
+}
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Texture, and the same 6 px further left.
