@@ -248,6 +248,11 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
     AddLine(outcome,
             "the images fit the range points better on other rows than on their own, so they "
             "contradict none of them: is the pair rectified?");
+  } else if (error.rows_shifted) {
+    AddLine(outcome,
+            "each row of the right image fits the range points in columns of its own, so the "
+            "images contradict none of them: are its rows exposed one after the other, or is a "
+            "part of it of another moment?");
   } else if (error.pair_unfit) {
     AddLine(outcome,
             "the images fit neither the range points nor each other, so they say nothing of the "

@@ -9,6 +9,7 @@
 #include "common/core/parallel.h"
 #include "common/core/window_sums.h"
 #include "services/refine/range/range_rules.h"
+#include "services/refine/range/row_shift.h"
 #include "services/refine/stereo/stereo_rules.h"
 #include "services/refine/surface/range_steps.h"
 #include "services/refine/surface/surface_rules.h"
@@ -92,7 +93,8 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
     KeepVisible(left, right, result);
   }
   const bool nothing_fits =
-      range_error_.pair_unfit && range_error_.contradicted_share > RangeRules::kNothingFits;
+      range_error_.rows_shifted ||
+      (range_error_.pair_unfit && range_error_.contradicted_share > RangeRules::kNothingFits);
   if (config_.stereo_seeds() && !nothing_fits) {
     const double spacing_px = points_.empty() ? 0 : surface_.spacing_px();
     const bool dense = !points_.empty() && !stereo_.IsCoarse(spacing_px, left.cols);
@@ -175,6 +177,7 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
        .error_m = config_.range_error_m(),
        .matches = [&] { return stereo_.Find(left, right, {}, {}, 0, zones_.most_px()); }},
       points_);
+  const bool displaced = !range_error_.pair_unfit && IsDisplaced(left, right, tof, projector);
   const bool shows_nothing = range_error_.pair_unfit && !range_error_.rows_unfit;
   if (shows_nothing) TakeBack(rig, result);
   for (ProjectedPoint& point : points_) {
@@ -183,7 +186,6 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
   }
   AddStepSigma(rig.pair, tof, points_);
   if (shows_nothing) return;
-  const bool displaced = IsDisplaced(left, right, tof, projector);
   if (displaced) range_error_.rejected = true;
   const auto is_contradicted = [&](size_t i) {
     return displaced || range_.contradicted()[i] != 0 ||
@@ -201,7 +203,7 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
 
 // Whether much is wrong with the points, or they are nearer than anything that stereo looks for.
 bool Refiner::IsDoubtful(int columns) const {
-  if (range_error_.Refuses() || range_error_.pair_unfit) return false;
+  if (range_error_.Refuses()) return false;
   if (!config_.stereo_seeds() || !surface_.has_pixels()) return false;
   const auto most_px = static_cast<float>(stereo_.MostDisparityPx(columns));
   const auto near = std::ranges::count_if(
@@ -232,6 +234,11 @@ bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const T
       FindSensorPlace(points, coarse, coarse_px, RangeRules::kFirstLook).is_displaced;
   if (!differs && !may_be_displaced) return false;
   const std::span<const Seed> matches = stereo_.Find(left, right, {}, {}, 0, zones_.most_px());
+  if (range_error_.moved_share == 0 && ShiftsRows(points, matches)) {
+    range_error_.pair_unfit = range_error_.rows_shifted = true;
+    range_error_.curve.clear();
+    return false;
+  }
   place_ = FindSensorPlace(points, matches, RangeRules::kAgreePx);
   if (differs && !place_.is_displaced) {
     against_ = FindContradicted(left, right, points, matches, RangeRules::kAgreePx);

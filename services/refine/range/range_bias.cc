@@ -12,6 +12,7 @@
 #include "services/refine/range/pair_fit.h"
 #include "services/refine/range/range_costs.h"
 #include "services/refine/range/range_nodes.h"
+#include "services/refine/range/row_shift.h"
 #include "services/refine/stereo/point_surface.h"
 
 namespace sprout::refine {
@@ -67,8 +68,7 @@ double SamePx(const RectifiedPair& pair, std::span<const RangeKnot> curve) {
   double same = 0;
   for (int power = 0; power < kPowers; ++power) {
     const auto shape = [&](const RangeKnot& knot) { return std::pow(knot.depth_m, power); };
-    double weight = 0;
-    double sum = 0;
+    double weight = 0, sum = 0;
     for (const RangeKnot& knot : curve) {
       const double w = shape(knot) / (knot.sigma_m * knot.sigma_m);
       sum += w * knot.error_m;
@@ -99,12 +99,17 @@ bool RangeBias::LookAgain(const RangeInput& input) {
         })) {
       break;
     }
-    std::vector<double> moves_px = start_px_;
-    for (size_t i = 0; i < moves_px.size(); ++i) moves_px[i] += offsets[i].offset_px;
-    nodes_.Move(input, moves_px);
+    nodes_.Move(input, NodeMoves());
     field_.Improve(nodes_);
   }
   return look > 0;
+}
+
+// What the nodes are off by.
+std::vector<double> RangeBias::NodeMoves() const {
+  std::vector<double> moves_px = start_px_;
+  for (size_t i = 0; i < moves_px.size(); ++i) moves_px[i] += field_.offsets()[i].offset_px;
+  return moves_px;
 }
 
 // Which nodes the images contradict; returns their share of those whose texture can show it.
@@ -162,16 +167,27 @@ bool RangeBias::MatchesElsewhere(const RangeInput& input, std::span<const Seed> 
 
 // Whether nothing can be estimated, since too much is wrong with the points or with the pair. Right
 // frames do not take the time.
-bool RangeBias::JudgePair(const RangeInput& input, const RangeSettings& settings) {
+bool RangeBias::JudgePair(const RangeInput& input, const RangeSettings& settings,
+                          std::span<const ProjectedPoint> points) {
   const bool many = error_.contradicted_share > RangeRules::kRejectedShare;
   const bool doubtful = !curve_.is_zero() || field_.variance_px2() > 0 ||
                         error_.contradicted_share > RangeRules::kDoubtfulShare;
   const PairFit fit = doubtful && input.surface.has_pixels() ? PairFitAt(input, nodes_) : PairFit{};
   const bool on_other_rows = fit.rows_gain > RangeRules::kRowsGain;
   error_.rows_unfit = on_other_rows && !many;
-  const bool asks_stereo = many || fit.cost > RangeRules::kPoorCost;
-  error_.pair_unfit =
-      on_other_rows || (asks_stereo && !MatchesElsewhere(input, settings.matches()));
+  error_.pair_unfit = on_other_rows;
+  if (!on_other_rows && (many || fit.cost > RangeRules::kPoorCost)) {
+    const std::span<const Seed> matches = settings.matches();
+    error_.rows_shifted =
+        input.surface.has_pixels() &&
+        ShiftsRows({.raw = {},
+                    .corrected = points,
+                    .spacing_px = {input.surface.column_px(), input.surface.row_px()},
+                    .image = input.left.size(),
+                    .infinity_px = input.rig.pair.cx - input.rig.pair.cx_right},
+                   matches);
+    error_.pair_unfit = error_.rows_shifted || !MatchesElsewhere(input, matches);
+  }
   error_.rejected = many && !error_.pair_unfit;
   const bool shows_nothing = error_.pair_unfit && !error_.rows_unfit;
   if (shows_nothing) error_.curve.clear();
@@ -299,12 +315,17 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
     for (const RangeNode& node : nodes) start_px_.push_back(curve_.OffsetPx(pair, node.disparity));
     field_.Estimate(nodes_, start_px_, has_slopes);
     error_.contradicted_share = JudgeNodes();
-    if (JudgePair(input, settings)) {
+    if (JudgePair(input, settings, points)) {
       contradicted_.assign(points.size(), error_.rejected ? 1 : 0);
       return error_;
     }
     // By then all may seem to fit: who looks far enough finds a likeness anywhere.
     if (!error_.rows_unfit && LookAgain(input)) JudgeNodes();
+    if (!error_.rows_unfit && ShiftsRows(nodes_, NodeMoves(), pair.cx - pair.cx_right)) {
+      error_.pair_unfit = error_.rows_shifted = true;
+      error_.curve.clear();
+      return error_;
+    }
   }
   // Few points can hardly show that their sensor is off; so they have to show that it is not.
   const bool is_right =

@@ -32,7 +32,8 @@ struct RangeError {
   /// The images contradict no sensor: they differ too much, and match nowhere else either; or they
   /// match on other rows.
   bool pair_unfit = false;
-  bool rows_unfit = false;  ///< the latter, few contradicted: they show the curve
+  bool rows_unfit = false;    ///< the latter, few contradicted: they show the curve
+  bool rows_shifted = false;  ///< each row of theirs matches in columns of its own, ShiftsRows()
   /// The curve is farther from 0 than a sensor's error can be, at this knot: no point is believed.
   std::optional<RangeKnot> absurd = std::nullopt;
 
@@ -72,8 +73,10 @@ class RangeBias {
 
   bool LookAgain(const RangeInput& input);
   double JudgeNodes();
-  bool JudgePair(const RangeInput& input, const RangeSettings& settings);
+  bool JudgePair(const RangeInput& input, const RangeSettings& settings,
+                 std::span<const ProjectedPoint> points);
   bool MatchesElsewhere(const RangeInput& input, std::span<const Seed> matches) const;
+  std::vector<double> NodeMoves() const;
   bool MarkAsked();
   PointError ErrorOf(const TofSurface& surface, const ProjectedPoint& point) const;
 

@@ -143,6 +143,19 @@ struct RangeRules {
   /// rows that are off or a blurred camera up to 0.8. Then stereo gives no seeds either.
   static constexpr double kNothingFits = 0.9;
 
+  // Rows of the right image that are shifted along themselves.
+  /// What offsets differ by from their median; and what more than that counts as.
+  static constexpr double kLeastShiftPx = 0.25;
+  static constexpr double kMostLeftPx = 4;
+  static constexpr size_t kShiftBands = 24;  ///< of rows, with as many places each
+  /// One offset for each band leaves less than this part of what one for all leaves: of shifted
+  /// rows 0.04 to 0.31, if they are by 3 px and more.
+  static constexpr double kShiftLeft = 0.4;
+  /// And than what others leave: one for each depth, or that grow with the depth in each band. Of
+  /// shifted rows 0.1 to 0.95 but in scenes with one depth a row; of 442 frames of wrong sensors,
+  /// some off in their lower rows only, 0.99 and more.
+  static constexpr double kShiftBetter = 0.95;
+
   // A displaced sensor.
   /// Asked where more nodes than this share are contradicted, or more points were moved far beside
   /// the curve, which moves all points at a depth alike. Right sensors have up to 0.07 and 0,
