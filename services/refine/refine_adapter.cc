@@ -271,6 +271,7 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
                          "believed");
   }
   outcome.ranges_refused = error.Refuses() || refiner_.are_noise();
+  outcome.ranges_alone = error.pair_unfit && error.moved_share == 0 && !outcome.ranges_refused;
   outcome.finding = RangeErrorText(error);
   if (!refiner_.contradiction().points.empty()) {
     PutFirst(outcome, ContradictionText(refiner_.contradiction()));

@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "common/core/prior_map.h"
 
@@ -48,6 +50,31 @@ TEST(Doubt, BoundsConfidenceByHowFarRowsAreOff) {
   EXPECT_THAT(Bounded({Bad(Question::kScene, 1)}), ElementsAre(0, 0, 0, 0));
   EXPECT_THAT(Bounded({Bad(Question::kScale, 3), Bad(Question::kBits, 2)}),
               ElementsAre(100, 200, 240, 0));
+}
+
+// Points at 2, 6 and 10 px, a match at 14.
+TEST(Doubt, BelievesRangesThatRefineBelievesBesideSuchAPair) {
+  const auto bounded = [](bool alone, Question question) {
+    DepthFrame depth;
+    depth.disparity = DisparityImage(cv::Size(24, 1));
+    depth.kept = DisparityImage(cv::Size(24, 1));
+    depth.confidence = cv::Mat1b(1, 24, uint8_t{200});
+    depth.sigma = cv::Mat1b(1, 24, uint8_t{4});
+    depth.depth_m = cv::Mat1f(1, 24, 2.0F);
+    for (int16_t i = 0; i < 3; ++i) {
+      depth.seeds.seeds.push_back({.u = 2.0F + 4 * i, .tof_u = i, .tof_v = 0});
+    }
+    depth.seeds.seeds.push_back({.u = 14, .origin = SeedOrigin::kStereo});
+    depth.ranges_alone = alone;
+    BoundConfidence({Bad(question, 2)}, LoadConfig({"default"}), depth);
+    EXPECT_EQ(depth.sigma(0, 0) == 4, depth.confidence(0, 0) == 200);
+    return std::vector<uint8_t>(depth.confidence);
+  };
+  std::vector<uint8_t> some(24, 100);
+  std::fill_n(some.begin(), 10, uint8_t{200});
+  EXPECT_EQ(bounded(true, Question::kRows), some);
+  EXPECT_EQ(bounded(false, Question::kRows), std::vector<uint8_t>(24, 100));
+  EXPECT_EQ(bounded(true, Question::kScene), std::vector<uint8_t>(24, 0));
 }
 
 TEST(Doubt, AddsToTheStandardDeviation) {

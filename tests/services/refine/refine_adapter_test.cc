@@ -189,6 +189,15 @@ TEST(RefineAdapter, SaysWhereADisplacedSensorBelongs) {
   EXPECT_EQ(right.degenerate, "");
 }
 
+TEST(RefineAdapter, SaysThatItBelievesRangesBesideAPairThatDoesNotFit) {
+  auto scene = BoxScene();
+  EXPECT_FALSE(RefineAdapter{RefineConfig()}.Process(FrameOf(scene)).ranges_alone);
+  cv::flip(scene.right, scene.right, 0);
+  const StageResult result = RefineAdapter{RefineConfig()}.Process(FrameOf(scene));
+  EXPECT_TRUE(result.ranges_alone);
+  EXPECT_THAT(result.degenerate, HasSubstr("say nothing of the range sensor"));
+}
+
 TEST(RefineAdapter, TakesAnEnlargedRangeImageAsItsSensorGaveIt) {
   RefineAdapter adapter{RefineConfig()};
   Scene scene = BoxScene();
