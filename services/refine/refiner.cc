@@ -177,18 +177,17 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
        .error_m = config_.range_error_m(),
        .matches = [&] { return stereo_.Find(left, right, {}, {}, 0, zones_.most_px()); }},
       points_);
-  const bool displaced = !range_error_.pair_unfit && IsDisplaced(left, right, tof, projector);
+  if (IsDisplaced(left, right, tof, projector)) range_error_.rejected = true;
   const bool shows_nothing = range_error_.pair_unfit && !range_error_.rows_unfit;
   if (shows_nothing) TakeBack(rig, result);
+  const float smoothed_px = smoothing_ ? SurfaceRules::kSmoothedSigmaPx : 0;
   for (ProjectedPoint& point : points_) {
-    if (smoothing_)
-      point.seed.sigma_px = std::hypot(point.seed.sigma_px, SurfaceRules::kSmoothedSigmaPx);
+    point.seed.sigma_px = std::hypot(point.seed.sigma_px, smoothed_px);
   }
   AddStepSigma(rig.pair, tof, points_);
   if (shows_nothing) return;
-  if (displaced) range_error_.rejected = true;
   const auto is_contradicted = [&](size_t i) {
-    return displaced || range_.contradicted()[i] != 0 ||
+    return range_error_.rejected || range_.contradicted()[i] != 0 ||
            (!against_.points.empty() && against_.points[i] != 0);
   };
   size_t kept = 0;
@@ -203,7 +202,7 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
 
 // Whether much is wrong with the points, or they are nearer than anything that stereo looks for.
 bool Refiner::IsDoubtful(int columns) const {
-  if (range_error_.Refuses()) return false;
+  if (range_error_.Refuses() || range_error_.pair_unfit) return false;
   if (!config_.stereo_seeds() || !surface_.has_pixels()) return false;
   const auto most_px = static_cast<float>(stereo_.MostDisparityPx(columns));
   const auto near = std::ranges::count_if(
