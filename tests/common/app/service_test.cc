@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <csignal>
 #include <sstream>
 #include <thread>
@@ -267,13 +268,15 @@ TEST(ServiceDeathTest, EndsWithinTwoSecondsOfASignalWhateverItsBodyIsStuckIn) {
 }
 
 TEST(ServiceDeathTest, EndsAtOnceOnASecondSignal) {
-  EXPECT_EXIT(RunUnseen([](const ServiceContext& context) -> int {
-                kill(getpid(), SIGTERM);
-                while (!context.stop.stop_requested()) std::this_thread::yield();
-                kill(getpid(), SIGINT);
-                NeverReturn();
-              }),
-              ::testing::KilledBySignal(SIGINT), "");
+  EXPECT_EXIT(
+      RunUnseen([](const ServiceContext& context) -> int {
+        kill(getpid(), SIGTERM);
+        while (!context.stop.stop_requested()) std::this_thread::yield();
+        std::this_thread::sleep_for(std::chrono::milliseconds(200));  // or it is the same one
+        kill(getpid(), SIGINT);
+        NeverReturn();
+      }),
+      ::testing::KilledBySignal(SIGINT), "");
 }
 
 }  // namespace
