@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "common/geometry/projection.h"
 #include "tests/common/scenes/some_pair.h"
 #include "tests/common/testing/thrown.h"
 

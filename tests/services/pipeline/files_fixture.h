@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "common/geometry/projection.h"
+#include "common/picture/write_image.h"
 #include "common/scenes/dataset.h"
 #include "common/scenes/pfm.h"
 #include "services/pipeline/files/files.h"
