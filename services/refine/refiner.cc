@@ -289,13 +289,12 @@ RangeNoise Refiner::Noise(const cv::Mat1b& left, const cv::Mat1b& right) {
 // Where the ToF camera sees something. What it says of dark regions is not to be believed; of
 // points beside edges it is, since which surface they lie on the prior decides better than stereo.
 // Unsure points do not count either, if they are dense; between coarse ones stereo is asked anyway.
-// If the sensor is off, all are unsure of which a match may be surer. Of a sensor that gives noise
-// none counts.
+// If the sensor is off, noise counts as well. Of a sensor that gives noise none counts.
 std::span<const cv::Point2f> Refiner::Covered(bool dense) {
   covered_.clear();
   const bool is_off = range_error_.moved_share > 0;
   const auto is_unsure = [&](const Seed& point) {
-    return is_off ? point.sigma_px > StereoRules::kSharedSigmaPx : UnsurePoints::Is(point, noise_);
+    return is_off ? point.sigma_px > StereoRules::kMovedSigmaPx : UnsurePoints::Is(point, noise_);
   };
   for (size_t i = 0; i < points_.size(); ++i) {
     const bool sure = !dense || !is_unsure(points_[i].seed);
