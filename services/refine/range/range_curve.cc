@@ -95,7 +95,8 @@ struct RangeCurve::Bin {
   std::span<const Voter> voters;
   double depth_m = 0;
   double px_per_m = 0;
-  double scale = 0;  // of the votes, so that a knot with little texture says little
+  double scale = 0;   // of the votes, so that a knot with little texture says little
+  double weight = 0;  // of the votes, 1 in the mean of all knots
   Votes votes{};
 };
 
@@ -104,11 +105,13 @@ struct RangeCurve::Prices {
   double moved = RangeRules::kCurveMoved;
   double per_px = RangeRules::kCurvePerPx;
   double step = RangeRules::kCurveStep;
+  bool by_weight = false;  // λ₀ and λ₁ of a knot, as its votes
 };
 
 void RangeCurve::Vote(std::span<const RangeNode> nodes, const RectifiedPair& pair, Bin& bin) const {
   for (const Voter& voter : bin.voters) {
     bin.depth_m += voter.depth_m / static_cast<double>(bin.voters.size());
+    bin.weight += voter.weight * bin.scale;
     const CostCurve cost(nodes[voter.node].costs);
     for (int k = 0; k < kCandidates; ++k) {
       const double off = OffsetOfError(pair, voter.depth_m, (k - kNoError) * step_m_);
@@ -125,10 +128,11 @@ void RangeCurve::FindPath(std::span<const Bin> bins, const Prices& prices) {
   std::vector<Votes> costs(count);
   for (size_t b = 0; b < count; ++b) {
     costs[b] = bins[b].votes;
+    const double share = prices.by_weight ? bins[b].weight : 1;
     for (int k = 0; k < kCandidates; ++k) {
       const double off_px = std::abs(k - kNoError) * step_m_ * bins[b].px_per_m;
       costs[b][static_cast<size_t>(k)] +=
-          (k == kNoError ? 0 : prices.moved) + prices.per_px * off_px;
+          share * ((k == kNoError ? 0 : prices.moved) + prices.per_px * off_px);
     }
   }
   std::vector<Votes> sums(count);
@@ -174,6 +178,24 @@ void RangeCurve::Stiffen(std::span<const RangeNode> nodes, const RectifiedPair& 
   std::vector<RangeKnot> bent = knots_;
   FindPath(bins, {.moved = 0, .per_px = 0, .step = RangeRules::kStiffStep});
   if (GainInSigmas(nodes, pair) < bent_sigmas - RangeRules::kBentSigmas) knots_ = std::move(bent);
+}
+
+// A knot with next to no texture is drawn to 0 by its prices; if they weigh as little as its votes,
+// it follows its neighbours. The images do not show which is right, so the nearer a knot is to one
+// that has texture, where both are the same, the more it follows.
+void RangeCurve::FollowNeighbours(std::span<const Bin> bins) {
+  const std::vector<RangeKnot> drawn = knots_;
+  FindPath(bins, {.by_weight = true});
+  const std::vector<RangeKnot> following = knots_;
+  for (size_t b = 0; b < knots_.size(); ++b) {
+    double gap_m = std::numeric_limits<double>::infinity();
+    for (size_t k = 0; k < knots_.size(); ++k) {
+      if (std::abs(following[k].error_m - drawn[k].error_m) > step_m_ / 2) continue;
+      gap_m = std::min(gap_m, std::abs(drawn[k].depth_m - drawn[b].depth_m));
+    }
+    const double share = std::max(0.0, 1 - gap_m / RangeRules::kAlikeOverM);
+    knots_[b].error_m = std::lerp(drawn[b].error_m, following[b].error_m, share);
+  }
 }
 
 // By how many standard deviations the nodes prefer the errors (m) at their depths to no error. With
@@ -269,6 +291,8 @@ void RangeCurve::Estimate(std::span<const RangeNode> nodes, const RectifiedPair&
     for (RangeKnot& knot : knots_) knot.error_m = 0;
   } else if (stiff) {
     Stiffen(nodes, pair, bins);
+  } else {
+    FollowNeighbours(bins);
   }
   SetSigmas(nodes, pair, bins);
 }

@@ -52,6 +52,7 @@ class RangeCurve {
   void FindPath(std::span<const Bin> bins, const Prices& prices);
   void Stiffen(std::span<const RangeNode> nodes, const RectifiedPair& pair,
                std::span<const Bin> bins);
+  void FollowNeighbours(std::span<const Bin> bins);
   double GainInSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair) const;
   template <typename ErrorAt>
   double GainInSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair,

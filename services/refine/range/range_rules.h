@@ -49,6 +49,10 @@ struct RangeRules {
   /// +0.5 m 18.99, not 18.77 (NOTES.md).
   static constexpr double kStiffStep = 4 * kCurveStep;
   static constexpr double kBentSigmas = 0.4;
+  /// How far from a knot that has texture, m of depth, one that has not still follows it a little.
+  /// With 0 a white wall keeps an error of 20 mm that all else shows, without end it gets one that
+  /// it has not (NOTES.md).
+  static constexpr double kAlikeOverM = 0.4;
   /// The curve must gain as many standard deviations, by blocks of so many cells squared, within
   /// which mistakes go together. Right sensors stay below 3.0, scans of a few beams below 3.4 but
   /// for one frame of 19, since the slope between two beams is not known; one that is off by 10 mm

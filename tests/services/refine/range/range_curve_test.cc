@@ -12,6 +12,8 @@ namespace {
 
 const RectifiedPair kPair{.width = 1242, .height = 375, .focal_px = 721, .baseline_m = 0.54};
 
+const RectifiedPair kCamera{.width = 465, .height = 370, .focal_px = 1247, .baseline_m = 0.16};
+
 // Nodes of a scan from 5 to 50 m whose depths are all too large by error_m. Near ones show it
 // clearly; far ones, where it is a part of a px, have little texture and disagree.
 std::vector<RangeNode> NodesOffBy(double error_m) {
@@ -56,6 +58,44 @@ TEST(RangeCurve, OfALidarIsDrawnNeitherToZeroNorFromKnotToKnot) {
   ASSERT_FALSE(stiff.is_zero());
   EXPECT_GT(WorstOf(bent, kErrorM), 0.12);
   EXPECT_LT(WorstOf(stiff, kErrorM), 0.06);
+}
+
+// Nodes of a camera whose depths are all 20 mm too large: a textured scene of 1.4 to 1.8 m, and a
+// wall behind it whose texture is its noise.
+std::vector<RangeNode> NodesBeforeWall(double wall_m) {
+  constexpr int kNodes = 1200;
+  constexpr double kErrorM = 0.02;
+  cv::RNG random(5);
+  std::vector<RangeNode> nodes(kNodes);
+  for (int i = 0; i < kNodes; ++i) {
+    RangeNode& node = nodes[static_cast<size_t>(i)];
+    node.cell = {i % 40, i / 40};
+    const bool is_wall = i % 2 == 1;
+    const double depth_m = is_wall ? wall_m + 0.02 * random.uniform(0.0F, 1.0F)
+                                   : 1.4 + 0.4 * random.uniform(0.0F, 1.0F);
+    node.disparity = kCamera.DisparityFromDepth(depth_m);
+    const double off_px = kCamera.DisparityFromDepth(depth_m - kErrorM) - node.disparity;
+    const double least = is_wall ? random.uniform(-6.0F, 6.0F) : off_px + random.gaussian(0.3);
+    const double depth = is_wall ? 0.15 : 0.7;
+    for (int k = 0; k < RangeRules::kLabels; ++k) {
+      const double away = RangeRules::OffsetPx(k) - least;
+      node.costs[static_cast<size_t>(k)] =
+          static_cast<float>(0.8 - depth * std::exp(-away * away / 2));
+    }
+    node.distinctness = DistinctnessOf(node.costs);
+  }
+  return nodes;
+}
+
+double ErrorOfWall(double wall_m) {
+  RangeCurve curve;
+  curve.Estimate(NodesBeforeWall(wall_m), kCamera, /*stiff=*/false);
+  return curve.knots().back().error_m;
+}
+
+TEST(RangeCurve, OfAWallWithoutTextureFollowsWhatIsNotFarBeforeIt) {
+  EXPECT_GT(ErrorOfWall(1.9), 0.008);
+  EXPECT_NEAR(ErrorOfWall(2.6), 0, 0.002);
 }
 
 }  // namespace
