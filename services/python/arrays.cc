@@ -118,6 +118,17 @@ py::dtype TypeOf(int depth) {
   }
 }
 
+// No value stands for a pixel of a picture that is not there.
+void RefuseMasked(const std::string& name, const py::array& array) {
+  if (!py::hasattr(array, "mask")) return;
+  const auto masked = array.attr("mask").attr("sum")().cast<py::ssize_t>();
+  if (masked == 0) return;
+  throw py::value_error(fmt::format(
+      "{}: expected an array without a mask, given one of numpy.ma that masks {} of {} elements; "
+      "allowed: {}.filled(...)",
+      name, masked, array.size(), name));
+}
+
 }  // namespace
 
 py::array Unmasked(const py::array& array) {
@@ -151,6 +162,7 @@ CameraImage TakeCameraImage(const std::string& name, const py::handle& given,
   const bool grey = array.ndim() == 2 || (array.ndim() == 3 && array.shape(2) == 1);
   const bool is_number = IsOf(array, 'u', 1) || IsOf(array, 'u', 2);
   if (!is_number || !(colour || grey) || !HasSides(array, size)) refuse();
+  RefuseMasked(name, array);
   if (array.itemsize() == 1) {
     return {.pixels = Share(Contiguous<uint8_t>(array), colour ? CV_8UC3 : CV_8UC1)};
   }

@@ -64,6 +64,11 @@ PartSet TakeParts(const py::handle& names);
 /// Sets a Python error of a text in which names of files may have bytes that are not UTF-8.
 void SetError(PyObject* type, const std::string& text);
 
+/// A str of names of files, whose bytes need not be UTF-8, and back: what is not is a surrogate, as
+/// in all of Python.
+py::str TextOfBytes(const std::string& bytes);
+std::string BytesOfText(const py::str& text);
+
 /// The value, or a ValueError.
 template <typename T>
 T Unwrap(Result<T> result) {

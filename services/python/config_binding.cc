@@ -1,7 +1,11 @@
 #include <google/protobuf/message.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <filesystem>
 
 #include "common/core/digest.h"
+#include "common/core/printable.h"
 #include "services/python/bindings.h"
 
 namespace sprout::python {
@@ -46,7 +50,7 @@ py::object ValueOf(const Message& message, const FieldDescriptor& field) {
     case FieldDescriptor::CPPTYPE_ENUM:
       return py::str(reflection.GetEnum(message, &field)->name());
     default:
-      return py::str(reflection.GetString(message, &field));
+      return TextOfBytes(reflection.GetString(message, &field));
   }
 }
 
@@ -67,7 +71,8 @@ py::object Get(const SproutConfig& config, const std::string& key) {
         message->GetDescriptor()->FindFieldByName(key.substr(begin, dot - begin));
     const bool is_part = field && field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
     if (!field || (dot != std::string::npos && !is_part)) {
-      throw py::key_error(key + ": no such key; allowed: as in sprout.proto, \"grow.sub_pixel\"");
+      throw py::key_error(Printable(key) +
+                          ": no such key; allowed: as in sprout.proto, \"grow.sub_pixel\"");
     }
     if (dot == std::string::npos) return ValueOf(*message, *field);
     message = &message->GetReflection()->GetMessage(*message, field);
@@ -101,10 +106,10 @@ std::string Repr(SproutConfig config) {
 }
 
 std::string TextOf(const py::handle& part) {
-  if (py::isinstance<py::str>(part)) return part.cast<std::string>();
+  if (py::isinstance<py::str>(part)) return BytesOfText(py::reinterpret_borrow<py::str>(part));
   // A path of one name is a file, too: what Python gives as a path is never the name of a preset.
   if (py::hasattr(part, "__fspath__")) {
-    auto path = part.attr("__fspath__")().cast<std::string>();
+    const auto path = part.cast<std::filesystem::path>().string();
     return path.find('/') == std::string::npos ? "./" + path : path;
   }
   if (py::isinstance<SproutConfig>(part)) return ConfigText(part.cast<const SproutConfig&>());

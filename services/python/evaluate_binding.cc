@@ -1,9 +1,13 @@
 #include <fmt/core.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
+#include <cmath>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
+#include "common/core/printable.h"
 #include "common/measure/score.h"
 #include "common/measure/sparsification.h"
 #include "common/scenes/dataset.h"
@@ -12,6 +16,8 @@
 
 namespace sprout::python {
 namespace {
+
+namespace fs = std::filesystem;
 
 // The figures of an evaluation, with the names of sprout-evaluate's JSON.
 struct Evaluation {
@@ -56,9 +62,10 @@ std::string Repr(const Evaluation& evaluation) {
 
 class PyDataset {
  public:
-  PyDataset(const std::string& source, const py::object& config) : source_(source) {
+  PyDataset(const fs::path& source, const py::object& config) : source_(source) {
     SproutConfig whole = config.is_none() ? LoadConfig({}) : TakeConfig(config);
-    whole.mutable_capture()->set_source(source);
+    whole.mutable_capture()->set_source(source_);
+    if (whole.capture().rate_hz() > 0) period_us_ = 1e6 / whole.capture().rate_hz();
     const Unlocked free;
     dataset_ = scenes::OpenDataset(whole.capture());
   }
@@ -67,13 +74,16 @@ class PyDataset {
     const std::optional<int64_t> count = dataset_->frame_count();
     const int64_t at = number < 0 && count ? number + *count : number;
     if (at < 0 || (count && at >= *count)) {
-      throw py::index_error("frame " + std::to_string(number) + ": not in " + source_);
+      throw py::index_error("frame " + std::to_string(number) + ": not in " + Printable(source_));
     }
     const Turn turn(taken_, "Dataset");
     const Unlocked free;
     scenes::DatasetFrame got = dataset_->Get(at);
     PyFrame result;
-    result.frame.id = {.utime = got.utime.value_or(0), .seq = at, .rig_id = RigId(dataset_->rig())};
+    // No data set has times: those of a capture that began at 0. A memory tells frames by them.
+    result.frame.id = {.utime = std::llround(period_us_ * static_cast<double>(at + 1)),
+                       .seq = at,
+                       .rig_id = RigId(dataset_->rig())};
     result.frame.left = std::move(got.left);
     result.frame.right = std::move(got.right);
     result.frame.tof = std::move(got.tof);
@@ -85,7 +95,7 @@ class PyDataset {
 
   int64_t Count() const {
     if (const auto count = dataset_->frame_count()) return *count;
-    throw py::type_error(source_ + " has no end");
+    throw py::type_error(Printable(source_) + " has no end");
   }
 
   const Rig& rig() const { return dataset_->rig(); }
@@ -93,6 +103,8 @@ class PyDataset {
 
  private:
   std::string source_;
+  double period_us_ =
+      1e3;  // of frames that are sent as fast as they come: the shortest that has a rate
   std::unique_ptr<scenes::Dataset> dataset_;
   std::atomic_flag taken_;
 };
@@ -163,19 +175,22 @@ void BindDataset(py::module_& module) {
     Dataset("middlebury:DIR?tof=sr4000")    a scene of 2005, 2006 or 2014; tof: grid, sr4000, zones:8x8 or none
     Dataset("kitti:DIR")                    frames in KITTI's layout, the scan as range image
     Dataset("synthetic:640x480")            a moving scene without an end)")
-      .def(py::init<const std::string&, const py::object&>(), py::arg("source"),
+      .def(py::init<const fs::path&, const py::object&>(), py::arg("source"),
            py::arg("config") = py::none(),
            R"(__init__(self, source: str, config: Optional[Config] = ...) -> None
 
 source: as sprout-capture --source has it for data sets. config: for the capture part.)")
       .def("__getitem__", &PyDataset::Get, py::arg("number"),
-           "__getitem__(self, number: int) -> Frame\n\nThe same number gives the same bytes.")
+           R"(__getitem__(self, number: int) -> Frame
+
+The same number gives the same bytes. Its utime is that of a capture that began at 0, with capture {
+rate_hz }: the first frame's is 200000 us by default.)")
       .def("__len__", &PyDataset::Count, "__len__(self) -> int")
       .def_property_readonly("rig", &PyDataset::rig, "Rig: of all its frames.")
       .def(
           "__repr__",
           [](const PyDataset& dataset) {
-            return "Dataset(" + std::string(py::repr(py::str(dataset.source()))) + ")";
+            return "Dataset(" + std::string(py::repr(TextOfBytes(dataset.source()))) + ")";
           },
           "__repr__(self) -> str");
 }

@@ -267,7 +267,7 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
           "seq", [](const PyFrame& f) { return f.frame.id.seq; },
           "int: number of the capture; -1: it has none.")
       .def_property_readonly(
-          "rig_id", [](const PyFrame& f) { return f.frame.id.rig_id; },
+          "rig_id", [](const PyFrame& f) { return TextOfBytes(f.frame.id.rig_id); },
           "str: digest of the calibration.")
       .def_property_readonly("parts", &PartNames, "List[str]: names of what is there.")
       .def_property_readonly(

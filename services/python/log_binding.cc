@@ -254,7 +254,13 @@ start: number of the first one, from 0, as seek() gives it.)")
 Place in the log of the first frame with this seq, or of the first one not before utime (us); for
 log[place] and frames(start=place). KeyError when there is none.)")
       .def_property_readonly(
-          "channels", [](PyLog& log) { return log.Look().channels; },
+          "channels",
+          [](PyLog& log) {
+            py::dict channels;
+            for (const auto& [name, count] : log.Look().channels)
+              channels[TextOfBytes(name)] = count;
+            return channels;
+          },
           "Dict[str, int]: events of each channel.")
       .def_property_readonly("damage", &DamageOf,
                              "List[str]: unreadable stretches, where and how long.")
@@ -262,7 +268,8 @@ log[place] and frames(start=place). KeyError when there is none.)")
           "bad_messages", [](PyLog& log) { return log.refused().count; },
           "int: messages that len(), [] and the like could not use.")
       .def_property_readonly(
-          "path", [](const PyLog& log) { return log.path().string(); }, "str: of the file.")
+          "path", [](const PyLog& log) { return TextOfBytes(log.path().string()); },
+          "str: of the file.")
       .def("close", &PyLog::Close, "close(self) -> None")
       .def(
           "__enter__", [](py::object self) { return self; }, "__enter__(self) -> Log")
@@ -272,7 +279,7 @@ log[place] and frames(start=place). KeyError when there is none.)")
       .def(
           "__repr__",
           [](const PyLog& log) {
-            return "<sprout.Log " + std::string(py::repr(py::str(log.path().string()))) +
+            return "<sprout.Log " + std::string(py::repr(TextOfBytes(log.path().string()))) +
                    (log.is_open() ? ">" : " closed>");
           },
           "__repr__(self) -> str");

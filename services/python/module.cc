@@ -1,5 +1,7 @@
 #include <pybind11/stl.h>
 
+#include <iterator>
+
 #include "common/app/compute.h"
 #include "common/app/version.h"
 #include "common/bus/lcm_url.h"
@@ -10,6 +12,20 @@
 
 void sprout::python::SetError(PyObject* type, const std::string& text) {
   PyErr_SetString(type, PrintableLines(text).c_str());
+}
+
+pybind11::str sprout::python::TextOfBytes(const std::string& bytes) {
+  auto text = pybind11::reinterpret_steal<pybind11::str>(
+      PyUnicode_DecodeFSDefaultAndSize(bytes.data(), std::ssize(bytes)));
+  if (!text) throw pybind11::error_already_set();
+  return text;
+}
+
+std::string sprout::python::BytesOfText(const pybind11::str& text) {
+  const auto bytes =
+      pybind11::reinterpret_steal<pybind11::bytes>(PyUnicode_EncodeFSDefault(text.ptr()));
+  if (!bytes) throw pybind11::error_already_set();
+  return bytes;
 }
 
 namespace {

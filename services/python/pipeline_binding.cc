@@ -151,7 +151,7 @@ As Config(): presets, files, texts, merged; none: all defaults.)")
           R"(compute(self, left: numpy.ndarray, right: numpy.ndarray, tof: Union[numpy.ndarray, Tof, None], rig: Rig, seq: Optional[int] = ..., utime: Optional[int] = ..., pose: Optional[numpy.ndarray] = ..., zones: Optional[Zones] = ...) -> Frame
 
 left, right: rectified, uint8, (rig.height, rig.width) or with 3 colours (BGR); or uint16, of which the
-bits that the first pair uses count, for all pairs.
+bits that the first pair uses count, for all pairs; no masked pixels (numpy.ma).
 tof: (rig.tof.height, rig.tof.width) float32 in m along the optical axis, or uint16 in mm; no return: 0,
 NaN, negative, infinite, 65535 mm, masked (numpy.ma); None: no range image, then stereo does the work.
 Contiguous arrays are taken as they are, not copied; others, and float64, are converted. What does not

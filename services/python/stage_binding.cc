@@ -125,7 +125,7 @@ class PyStage : public StageAdapter {
     const cv::Size size = frame.left.size();
     StageResult outcome;
     if (py::isinstance<py::str>(given)) {
-      outcome.degenerate = given.cast<std::string>();
+      outcome.degenerate = BytesOfText(given);
       if (outcome.degenerate.empty()) outcome.degenerate = "the stage's function gives no reason";
       for (const Part part : kAllParts) {
         if (outputs_.Has(part)) outcome.outputs.push_back({part, EmptyValue(part, size)});
@@ -229,7 +229,7 @@ void BindStage(py::module_& module) {
   module.def(
       "_run_stage", &Run, py::arg("stage"), py::arg("function"), py::arg("inputs"),
       py::arg("description"), py::arg("arguments"),
-      R"(_run_stage(stage: str, function: Callable[[Frame, Config], Any], inputs: Optional[Sequence[str]], description: str, arguments: List[str]) -> int
+      R"(_run_stage(stage: str, function: Callable[[Frame, Config], Any], inputs: Optional[Sequence[str]], description: str, arguments: List[bytes]) -> int
 
 The whole of a stage's program; its exit code.)");
 }

@@ -26,6 +26,7 @@ origin (0: range camera, 1: stereo), tof_u, tof_v (pixel of the range image; -1:
 Images are uint8, (H, W) or (H, W, 3) BGR; disparities px, depths m, float32, NaN where there is none.
 """
 import importlib
+import os
 import pkgutil
 import sys
 from typing import Any, Callable, Dict, List, NoReturn, Optional, Sequence, Tuple, TypeVar
@@ -125,7 +126,7 @@ def run(name: Optional[str] = None, arguments: Optional[List[str]] = None) -> No
     function, inputs = _stages[name]
     given = sys.argv if arguments is None else [sys.argv[0], *arguments]
     description = function.__doc__ or f"The stage {name} in Python."
-    sys.exit(_run_stage(name, function, inputs, description, given))
+    sys.exit(_run_stage(name, function, inputs, description, [os.fsencode(a) for a in given]))
 
 
 def _load_message_types() -> None:

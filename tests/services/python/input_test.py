@@ -1,6 +1,8 @@
 import gc
+import os
 import pathlib
 import sys
+import tempfile
 import unittest
 from typing import Any, Callable, List, Tuple
 
@@ -67,6 +69,10 @@ WRONG: List[Wrong] = [
     ("no ToF camera", lambda p, f: p.compute(f.left, f.right, f.tof, sprout.Rig(64, 48, 60, 0.1)), "tof: expected None"),
     ("a path of many letters that are none of ASCII", call(left=39 * "ä"), "left: .* given str 'ä"),
     ("a file whose name is not UTF-8", lambda p, f: sprout.Rig.from_file("/nope/\udcff"), r"rig file /nope/\\xff: cannot be read"),
+    ("a configuration whose name is not UTF-8", lambda p, f: sprout.Pipeline("/nope/\udcff"), r"configuration /nope/\\xff: cannot be read"),
+    ("a data set whose name is not UTF-8", lambda p, f: sprout.Dataset("kitti:/nope/\udcff"), r"kitti:/nope/\\xff: "),
+    ("left is masked", call(left=numpy.ma.masked_less(zeros(48, 64), 1)), "left: expected an array without a mask, given one of numpy.ma that masks 3072 of 3072 elements"),
+    ("right is masked", call(right=numpy.ma.array(zeros(48, 64), mask=numpy.arange(3072) == 7)), "right: .* masks 1 of 3072 elements"),
     ("a list of arrays", call(left=[MAP]), r"left: .* given list \[array\(\[\["),
     ("a dict for a rig", lambda p, f: p.compute(f.left, f.right, f.tof, {"width": 64}), "rig: expected a Rig, given dict"),
     ("a rig in the place of tof", lambda p, f: p.compute(f.left, f.right, f.rig), "rig: expected a Rig, given None"),
@@ -162,6 +168,21 @@ class InputTest(unittest.TestCase):
         self.assertTrue((sprout.PriorMap(known, known.std() + 1).sigma_px == 1).all())
         zones = sprout.Zones(masked, known, VIEWS)
         self.assertTrue((zones.depth_m[0] == 0).all() and (zones.depth_m[1:] == 10).all())
+
+    def test_an_image_that_masks_nothing_is_taken(self) -> None:
+        self.assertTrue(same(self.depth(left=numpy.ma.array(self.left)), self.depth()))
+
+    def test_names_of_files_have_the_bytes_that_python_gives_them(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            name = os.fsencode(folder) + b"/\xff.textproto"
+            pathlib.Path(os.fsdecode(name)).write_text("grow { sub_pixel: false }")
+            for given in (os.fsdecode(name), pathlib.Path(os.fsdecode(name))):
+                self.assertFalse(sprout.Config(given)["grow.sub_pixel"])
+        config = sprout.Config('capture { source: "log:\udcff" }')
+        self.assertEqual(config["capture.source"], "log:\udcff")
+        self.assertEqual(config.to_dict()["capture"]["source"], "log:\udcff")
+        with self.assertRaisesRegex(KeyError, r"no\\\\xff: no such key"):
+            config[b"no\xff"]  # type: ignore[index]
 
     def test_images_of_10_bits_in_16_are_as_those_of_8(self) -> None:
         left, right = (image.astype(numpy.uint16) * 4 for image in (self.left, self.right))

@@ -98,6 +98,14 @@ class BytesTest(unittest.TestCase):
         if "ToF True" in what or "default" in what:
             self.assertGreaterEqual(frames, 3, what)
 
+    def test_a_memory_goes_on_from_frame_to_frame_of_a_data_set(self) -> None:
+        scenes = sprout.Dataset("synthetic:160x120?tof=grid", sprout.Config("capture { rate_hz: 4 }"))
+        pipeline = sprout.Pipeline("default", "temporal { in_pipeline: true }")
+        frames = [scenes[number] for number in range(3)]
+        self.assertEqual([frame.utime for frame in frames], [250000, 500000, 750000])
+        resets = [compute(pipeline, frame, seq=frame.seq, utime=frame.utime).motion.reset for frame in frames]
+        self.assertEqual(resets, ["FIRST", "NONE", "NONE"])
+
     def test_fused_maps_and_motions_have_the_bytes_of_sprout_temporal(self) -> None:
         config = ("default", "temporal { in_pipeline: true }")
         pipeline, of_fused = sprout.Pipeline(*config), sprout.Pipeline(*config, "depth { input: FUSED }")
