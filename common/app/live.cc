@@ -87,7 +87,7 @@ void Publish(const Arrival& arrival, const Answer& answer, Publisher& publisher,
              StageMonitor& monitor) {
   for (const Answer::Message& message : answer.messages) {
     if (publisher.Publish(message.channel, message.bytes)) continue;
-    return monitor.FrameFailed(arrival.frame.id, publisher.failure());
+    return monitor.FrameNotSent(arrival.frame.id, publisher.failure());
   }
   monitor.SetRig(arrival.frame.id.rig_id);
   monitor.SetTofOffset(answer.tof_offset);

@@ -20,6 +20,9 @@ constexpr std::chrono::seconds kRateWindow{10};
 constexpr std::chrono::minutes kWarningPeriod{1};  // of a sensor that stays wrong
 // How long an error of a single frame is told while frames are answered again without a loss.
 constexpr std::chrono::minutes kErrorShown{1};
+// Statuses, of which one a second is sent, show that a network is there again, but not that images
+// are sent that are too large for it.
+constexpr std::chrono::seconds kAllSent{2};
 constexpr double kClockSlackMs = 1;  // within one host a clock may be set by so much at a time
 // From one frame to the next an age changes by the time of a frame. By more than this: frames come
 // from another source, as when cameras follow a recording, or a stage hung; what was before would
@@ -137,6 +140,33 @@ void StageMonitor::FrameFailed(const FrameId& id, const std::string& reason) {
   if (const auto held_back = failed_log_.Pass(now_())) {
     LogLine(LogLevel::kError, "{}{}", status_.last_error, MoreText(*held_back));
   }
+}
+
+void StageMonitor::FrameNotSent(const FrameId& id, const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  ++status_.frames_failed;
+  TellLocked("frame " + std::to_string(id.seq) + ": failed: " + reason);
+  NotSentLocked(status_.last_error);
+}
+
+void StageMonitor::NotSent(const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  NotSentLocked(reason);
+}
+
+void StageMonitor::NotSentLocked(const std::string& reason) {
+  if (not_sent_ == 0) {
+    LogLine(LogLevel::kError, "{}; what else is not sent is counted until that is over", reason);
+  }
+  ++not_sent_;
+  newest_not_sent_ = now_();
+}
+
+void StageMonitor::StatusSent() {
+  const std::lock_guard lock(mutex_);
+  if (not_sent_ == 0 || now_() - newest_not_sent_ < kAllSent) return;
+  LogLine(LogLevel::kWarning, "messages are sent again; {} could not be", not_sent_);
+  not_sent_ = 0;
 }
 
 void StageMonitor::CapturesFailed(int64_t count, const std::string& reason) {

@@ -49,6 +49,16 @@ class StageMonitor {
   /// The stage failed on a frame.
   void FrameFailed(const FrameId& id, const std::string& reason);
 
+  /// A frame was not sent, or its answer; see NotSent().
+  void FrameNotSent(const FrameId& id, const std::string& reason);
+
+  /// A message was not sent. While more and more are not, as where the network is away, the log has
+  /// one line when that begins, and one when it is over.
+  void NotSent(const std::string& reason);
+
+  /// A status was sent: once nothing has failed for two seconds, what NotSent() told is over.
+  void StatusSent();
+
   /// Counts captures that became no frame.
   void CapturesFailed(int64_t count, const std::string& reason);
 
@@ -118,6 +128,7 @@ class StageMonitor {
   };
 
   void SkippedLocked();
+  void NotSentLocked(const std::string& reason);
   void TellLocked(const std::string& error);
   void HoldLocked(std::string& held, const std::string& text, bool show);
   std::string NewestHeldLocked() const;
@@ -133,7 +144,9 @@ class StageMonitor {
   LogLimiter degenerate_log_;
   LogLimiter failed_log_;
   LogLimiter clock_log_;
-  LogLimiter over_log_;            // of Resolve()
+  LogLimiter over_log_;   // of Resolve()
+  int64_t not_sent_ = 0;  // messages, since that began; 0: all are sent
+  Clock::time_point newest_not_sent_{};
   Clock::time_point trouble_{};    // the newest error or loss
   std::vector<std::string> held_;  // warnings that hold now, the newest last
   Clock::time_point next_offset_warning_{};

@@ -59,7 +59,8 @@ void StatusReporter::PublishStatus() {
 }
 
 void StatusReporter::Publish(std::string_view channel, std::span<const uint8_t> bytes) {
-  if (!publisher_.Publish(channel, bytes)) LogLine(LogLevel::kWarning, publisher_.failure());
+  publisher_.Publish(channel, bytes) ? monitor_.StatusSent()
+                                     : monitor_.NotSent(publisher_.failure());
 }
 
 ProcessInfo LiveProcessInfo(const StageStatus& status, const SproutConfig& config) {

@@ -281,7 +281,7 @@ class Capture {
   bool Publish(const CaptureMessages& frame) {
     for (const auto& [part, bytes] : frame.messages) {
       if (publisher_.Publish(Channel(part), bytes)) continue;
-      monitor_.FrameFailed(frame.id, publisher_.failure());
+      monitor_.FrameNotSent(frame.id, publisher_.failure());
       return false;
     }
     return true;
@@ -294,7 +294,7 @@ class Capture {
   void PublishCalibration() {
     const std::vector<uint8_t> calibration = feed_->Calibration();
     if (!calibration.empty() && !publisher_.Publish(ChannelOf(Part::kRig), calibration)) {
-      monitor_.Failure(publisher_.failure());
+      monitor_.NotSent(publisher_.failure());
     }
     next_calibration_ = Clock::now() + kCalibrationPeriod;
   }

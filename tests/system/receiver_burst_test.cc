@@ -41,6 +41,9 @@ TEST(PublisherSystem, SaysWhyAMessageOfSeveralDatagramsWasNotSent) {
   ASSERT_EQ(std::system("ip link set lo down"), 0);
   EXPECT_FALSE(publisher.Publish("SPROUT_LEFT", image));
   EXPECT_EQ(publisher.failure(), "SPROUT_LEFT: could not be published (Network is unreachable)");
+  for (size_t size = 65400; size < 65600; ++size) {  // from one datagram to two
+    EXPECT_FALSE(publisher.Publish("SPROUT_LEFT", std::span(image).first(size))) << size;
+  }
   ASSERT_EQ(std::system("ip link set lo up && ip route add 224.0.0.0/4 dev lo"), 0);
   EXPECT_TRUE(publisher.Publish("SPROUT_LEFT", image));
 }

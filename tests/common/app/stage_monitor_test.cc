@@ -13,6 +13,7 @@ namespace sprout {
 namespace {
 
 using std::chrono::milliseconds;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 FrameId IdOf(int64_t seq) { return {.utime = NowUtime() - 5000, .seq = seq, .rig_id = "rig"}; }
@@ -53,6 +54,25 @@ TEST_F(StageMonitorTest, KeepsTheCoverageOfTheNewestFrame) {
   EXPECT_EQ(monitor_.Snapshot().tof_coverage, 0);
   monitor_.FrameOut(IdOf(4), Ago(milliseconds(1)), "");
   EXPECT_EQ(monitor_.Snapshot().tof_coverage, kUnknownCoverage);
+}
+
+TEST_F(StageMonitorTest, SaysOnceThatTheNetworkIsAwayAndOnceThatItIsBack) {
+  monitor_.StatusSent();
+  for (int second = 0; second < 5; ++second) {
+    monitor_.FrameNotSent(IdOf(second), "SPROUT_LEFT: unreachable");
+    monitor_.NotSent("SPROUT_STATUS: unreachable");
+    now_ += std::chrono::seconds(1);
+  }
+  EXPECT_EQ(monitor_.Snapshot().frames_failed, 5);
+  EXPECT_EQ(monitor_.Snapshot().last_error, "frame 4: failed: SPROUT_LEFT: unreachable");
+  for (int second = 0; second < 3; ++second) {
+    monitor_.StatusSent();
+    now_ += std::chrono::seconds(1);
+  }
+  EXPECT_THAT(log_.Lines(),
+              ElementsAre(HasSubstr("frame 0: failed: SPROUT_LEFT: unreachable; what else is not "
+                                    "sent is counted until that is over"),
+                          HasSubstr("messages are sent again; 10 could not be")));
 }
 
 TEST_F(StageMonitorTest, CountsEachKindOfEventByItself) {
