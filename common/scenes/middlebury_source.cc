@@ -127,7 +127,12 @@ Scene ReadCoded(const CodedScene& names, const fs::path& folder, const CaptureCo
   return scene;
 }
 
-Scene Read2014(const fs::path& folder) {
+Scene Read2014(const fs::path& folder, const CaptureConfig& config) {
+  if (config.gt_scale() > 0) {
+    throw ConfigError("capture.gt_scale = " + std::to_string(config.gt_scale()) +
+                      ": of no use for " + folder.string() +
+                      ", whose ground truth is in px; allowed: 0");
+  }
   Scene scene = ReadImages(RequireImage(folder, "im0"), RequireImage(folder, "im1"));
   const cv::Size size = scene.left.size();
   scene.pair = CalibrationFromCalib(folder / "calib.txt", size);
@@ -162,7 +167,7 @@ Scene ReadScene(const fs::path& folder, const CaptureConfig& config) {
   }
   if (FindImage(folder, k2005.left)) return ReadCoded(k2005, folder, config);
   if (FindImage(folder, k2003.left)) return ReadCoded(k2003, folder, config);
-  if (FindImage(folder, "im0")) return Read2014(folder);
+  if (FindImage(folder, "im0")) return Read2014(folder, config);
   throw ConfigError("scene " + folder.string() + ": no left image" +
                     WhyClosed(folder / k2005.left) + "; allowed: " + Candidates(k2005.left) +
                     " (2005, 2006), " + Candidates(k2003.left) + " (2003) or " + Candidates("im0") +

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "common/app/service.h"
+#include "common/config/config_error.h"
 #include "services/capture/capture_loop.h"
 #include "services/capture/genicam/genicam_source.h"
 
@@ -18,7 +19,16 @@ struct ConfigFlags {
   void Apply(SproutConfig& config) const {
     if (source) config.mutable_capture()->set_source(*source);
     if (rate_hz) config.mutable_capture()->set_rate_hz(*rate_hz);
-    if (gt_scale) config.mutable_capture()->set_gt_scale(*gt_scale);
+    if (gt_scale) SetGtScale(*config.mutable_capture());
+  }
+
+ private:
+  void SetGtScale(CaptureConfig& capture) const {
+    if (!capture.source().starts_with("middlebury:")) {
+      throw ConfigError("--gt-scale: of no use for capture.source = " + capture.source() +
+                        "; allowed: with middlebury:DIR");
+    }
+    capture.set_gt_scale(*gt_scale);
   }
 };
 

@@ -163,6 +163,8 @@ TEST(BadInputSystem, WrongFlagsEndWithExitCode2AndOneLine) {
       {"capture", {"--source", "middlebury:/nonexistent"}, "/nonexistent"},
       {"capture", {"--source", "webcam:0"}, "webcam"},
       {"capture", {"--source", "synthetic:4x4"}, "4x4"},
+      {"capture", {"--source", "log:run.lcm", "--gt-scale", "4"}, "--gt-scale: of no use for"},
+      {"capture", {"--gt-scale", "4"}, "with middlebury:DIR"},
       {"capture", {"--rate", "-1"}, "capture.rate_hz = -1"},
       {"capture", {"--rate", "nan"}, "capture.rate_hz = nan"},
       {"capture", {"--lockstep", "0"}, "--lockstep"},

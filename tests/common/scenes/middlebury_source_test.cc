@@ -94,6 +94,15 @@ TEST(MiddleburyDataset, ReadsTheLayoutOf2014) {
   EXPECT_EQ(frame.truth.right(7, 7), 4.125f);
 }
 
+TEST(MiddleburyDataset, RefusesAScaleOfTheTruthWhereThatIsInPx) {
+  const SceneFolder folder(SceneFolder::k2014);
+  CaptureConfig config = folder.Config();
+  config.set_gt_scale(2);
+  EXPECT_THAT(OpenError(config),
+              ::testing::MatchesRegex("capture.gt_scale = 2: of no use for .*, whose ground truth "
+                                      "is in px; allowed: 0"));
+}
+
 TEST(MiddleburyDataset, ReadsPfmRowsInTheOrderOfOpenCv) {
   const SceneFolder folder(SceneFolder::k2014);
   const cv::Mat1f by_opencv = cv::imread(folder.File("disp0.pfm"), cv::IMREAD_UNCHANGED);
