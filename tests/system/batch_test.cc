@@ -317,6 +317,17 @@ TEST_F(BatchSystem, LogsWhoseNamesCannotBeUsedAreNamedAndTheOthersComputed) {
   EXPECT_THAT(prefix.output, HasSubstr("--channel-prefix 'x'y': allowed are up to"));
 }
 
+TEST_F(BatchSystem, WhatIsRefusedLeavesNoFolder) {
+  fs::create_directory(folder_ / "theirs");
+  for (const char* out : {"new", "far/new", "theirs"}) {
+    EXPECT_THAT(OutputOf({"sprout-batch", "run", logs_, "--out", folder_ / out}, 2),
+                HasSubstr("no log (*.lcm) in this folder"));
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "new"));
+  EXPECT_FALSE(fs::exists(folder_ / "far"));
+  EXPECT_TRUE(fs::exists(folder_ / "theirs"));
+}
+
 TEST_F(BatchSystem, FlagsOfSlurmAskForIt) {
   command_.insert(command_.end(), {"--partition", "short"});
   EXPECT_THAT(OutputOf(command_, 2), HasSubstr("--partition requires --engine"));

@@ -53,7 +53,12 @@ BatchFolder FolderOf(const std::string& out) {
 // Two runs at once on one folder would only take work from each other.
 class FolderLock {
  public:
-  explicit FolderLock(const BatchFolder& folder) {
+  explicit FolderLock(const BatchFolder& folder) : folder_(folder) {
+    std::error_code none;
+    for (fs::path made = folder.root(); !made.empty() && !fs::exists(made, none);
+         made = made.parent_path()) {
+      made_.push_back(made);
+    }
     RequireWritableFolder("--out", folder.root(), {});
     const fs::path path = folder.root() / "lock";
     descriptor_ = open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666);
@@ -67,11 +72,23 @@ class FolderLock {
     throw ConfigError("--out " + folder.root().string() +
                       ": another sprout-batch is running there");
   }
-  ~FolderLock() { close(descriptor_); }
+  ~FolderLock() {
+    if (!made_.empty() && !fs::exists(folder_.manifest())) RemoveFolders();
+    close(descriptor_);
+  }
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
  private:
+  // Those that were made for a batch that was refused; not those with something in them.
+  void RemoveFolders() const {
+    std::error_code ignored;
+    fs::remove(folder_.root() / "lock", ignored);
+    for (const fs::path& made : made_) fs::remove(made, ignored);
+  }
+
+  BatchFolder folder_;
+  std::vector<fs::path> made_;  // the innermost first
   int descriptor_;
 };
 
