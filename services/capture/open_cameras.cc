@@ -46,6 +46,10 @@ std::vector<std::string> PlacesOf(const std::string& source, const std::string& 
     throw Bad(source, "not one or two places",
               "opencv:LEFT,RIGHT, opencv:BOTH or v4l2:DEVICE, ?rig=FILE behind it");
   }
+  if (names.size() == 2 && names[0] == names[1]) {
+    throw Bad(source, "left and right are both " + std::string(names[0]),
+              "opencv:LEFT,RIGHT, or opencv:BOTH with both views side by side");
+  }
   return {names.begin(), names.end()};
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <csignal>
 #include <memory>
+#include <set>
 
 #include "common/app/log.h"
 #include "common/app/service.h"
@@ -72,7 +73,13 @@ RecordingOptions OptionsOf(const Options& options) {
   if (recording.channels.empty()) {
     for (const std::string_view channel : AllChannels()) recording.channels.emplace_back(channel);
   }
-  for (const std::string& channel : recording.channels) RequireChannel("--channels", channel);
+  std::set<std::string> names;
+  for (const std::string& channel : recording.channels) {
+    RequireChannel("--channels", channel);
+    if (!names.insert(channel).second) {
+      throw ConfigError("--channels: " + channel + " is given twice; allowed: once");
+    }
+  }
   recording.folder = {.folder = options.folder,
                       .max_file_bytes = std::llround(options.max_mb * 1e6),
                       .quota_bytes = std::llround(options.quota_gb * 1e9),

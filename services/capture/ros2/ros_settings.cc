@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <map>
 #include <string_view>
+#include <utility>
 
 #include "common/config/config_error.h"
 #include "common/core/number_text.h"
@@ -108,6 +111,24 @@ void CompleteNames(RosSettings& settings) {
   }
 }
 
+// Each camera has a topic of its own, and so has the calibration of each of the two.
+void RequireDifferentTopics(const std::string& source, const RosSettings& settings) {
+  const auto require = [&](std::initializer_list<std::pair<const char*, std::string>> topics) {
+    std::map<std::string, const char*> names;
+    for (const auto& [name, topic] : topics) {
+      if (topic.empty()) continue;
+      const auto [before, is_new] = names.emplace(topic, name);
+      if (is_new) continue;
+      throw BadSource(source, std::string(before->second) + " and " + name + " are both " + topic);
+    }
+  };
+  require({{"left", settings.left},
+           {"right", settings.right},
+           {"points", settings.points},
+           {"depth", settings.depth}});
+  require({{"left_info", settings.left_info}, {"right_info", settings.right_info}});
+}
+
 }  // namespace
 
 std::vector<std::string> TransformTopics(const std::string& topic) {
@@ -198,6 +219,7 @@ RosSettings ParseRosSource(const std::string& source) {
     throw BadSource(source, "pose, but neither points nor depth");
   }
   CompleteNames(settings);
+  RequireDifferentTopics(source, settings);
   return settings;
 }
 

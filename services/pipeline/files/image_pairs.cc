@@ -188,6 +188,12 @@ VideoTimes TimesOf(const std::string& what, const std::string& path) {
   return found;
 }
 
+void RequireDifferent(const std::string& left, const std::string& right) {
+  std::error_code none;
+  if (left != right && !fs::equivalent(left, right, none)) return;
+  throw ConfigError("LEFT and RIGHT: both are " + left + "; allowed: one of each camera");
+}
+
 ImagePairs ListVideoPairs(const std::string& left, const std::string& right,
                           const std::string& tof) {
   if (!IsVideo(left) || !IsVideo(right)) {
@@ -226,6 +232,7 @@ ImagePairs ListVideoPairs(const std::string& left, const std::string& right,
 
 ImagePairs ListPairs(const std::string& left, const std::string& right, const std::string& tof,
                      double max_spread_ms) {
+  RequireDifferent(left, right);
   if (IsVideo(left) || IsVideo(right)) return ListVideoPairs(left, right, tof);
   const std::vector<fs::path> lefts = FilesOf("LEFT", left);
   const std::vector<fs::path> rights = FilesOf("RIGHT", right);

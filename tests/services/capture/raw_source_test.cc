@@ -199,6 +199,7 @@ TEST_F(VideoTest, SaysWhatCannotBeUsed) {
   EXPECT_THAT(ErrorOf(lists + "?width=-3"), HasSubstr("width=-3"));
   EXPECT_THAT(ErrorOf("opencv:"), HasSubstr("not one or two places"));
   EXPECT_THAT(ErrorOf("opencv:a,b,c"), HasSubstr("not one or two places"));
+  EXPECT_THAT(ErrorOf("opencv:a,a"), HasSubstr("left and right are both a; allowed: opencv:LEFT"));
   EXPECT_THAT(ErrorOf("v4l2:a,b"), HasSubstr("not one or two places"));
   EXPECT_THAT(ErrorOf("opencv:" + Path("no.avi"), {.raw = true}),
               AllOf(HasSubstr("no.avi"), HasSubstr("cannot be opened")));

@@ -321,7 +321,7 @@ TEST(RosSource, SaysWhatIsMissing) {
                         "allowed: tf=TOPIC"));
   EXPECT_THAT(Complaint(Source(folder, "&points=/lidar&tf=/robot/tf")),
               HasSubstr("no topic /lidar, /robot/tf; topics in"));
-  EXPECT_THAT(Complaint("mcap:/nowhere?left=a&right=b"), HasSubstr("cannot be opened"));
+  EXPECT_THAT(Complaint("mcap:/nowhere?left=a/i&right=b/i"), HasSubstr("cannot be opened"));
   EXPECT_THAT(Complaint("ros2:left=a"), HasSubstr("no topic of the left or right images"));
   EXPECT_THAT(Complaint("ros2:left=a&right=b&domain=999"),
               HasSubstr("cannot be used: 'domain=999'"));
@@ -351,6 +351,23 @@ TEST(RosSource, BeginsAFileAgain) {
   const auto source = OpenRosSource(file.Source(), told.Options(/*loop=*/true));
   const std::stop_source never;
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(source->Next(never.get_token()).has_value()) << i;
+}
+
+TEST(RosSettings, OneTopicIsOfOneCamera) {
+  const auto error = [](const std::string& topics) {
+    try {
+      ParseRosSource("ros2:" + topics);
+    } catch (const ConfigError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(error("left=/a&right=a"), HasSubstr(": left and right are both /a; allowed: "));
+  EXPECT_THAT(error("left=/l/i&right=/r/i&depth=/r/i"), HasSubstr(": right and depth are both /r"));
+  EXPECT_THAT(error("left=/s/l&right=/s/r"),
+              HasSubstr(": left_info and right_info are both /s/camera_info; "));
+  EXPECT_EQ(error("left=/s/l&right=/s/r&right_info=/s/r_info"), "");
+  EXPECT_EQ(error("left=/s/l&right=/s/r&rig=rig.textproto"), "");
 }
 
 TEST(RosSettings, ACameraInfoStandsBesideItsImages) {

@@ -26,6 +26,7 @@ TEST_F(Files, ThatCannotBeUsedAreRefusedBeforeAnythingIsComputed) {
   Write("two/1.png", scene_.left);
   Write("two/2.png", scene_.left);
   Write("two/2.bmp", scene_.left);
+  fs::copy(folder_ / "two", folder_ / "again");
   const std::string blocked = folder_ / "left.png/out";
   const std::string middlebury =
       "cam0=[90 0 9; 0 90 9; 0 0 1]\ncam1=[90 0 9; 0 90 9; 0 0 1]\nbaseline=9\n";
@@ -44,7 +45,14 @@ TEST_F(Files, ThatCannotBeUsedAreRefusedBeforeAnythingIsComputed) {
       {[&](auto& o) { o.tof = nothing + "*"; }, "--tof " + nothing + "*: no file is called so"},
       {[&](auto& o) { o.left = folder_ / "two/*.png"; },
        "LEFT and RIGHT: neither times nor names say which of 2 and 1 files belong together"},
-      {[&](auto& o) { o.left = o.right = folder_ / "two"; }, "LEFT: images of one name"},
+      {[&](auto& o) { o.left = o.right = folder_ / "two"; },
+       "LEFT and RIGHT: both are " + std::string(folder_ / "two") + "; allowed: one of each"},
+      {[&](auto& o) {
+         o.left = folder_ / "two";
+         o.right = folder_ / "again";
+       },
+       "LEFT: images of one name"},
+      {[&](auto& o) { o.right = folder_ / "./left.png"; }, "LEFT and RIGHT: both are "},
       {[&](auto& o) { o.rig = {}; }, "no calibration; allowed: --rig FILE, or of a rectified pair"},
       {[&](auto& o) { o.pixels.tof_unit = "1/0"; }, "--tof-unit 1/0: allowed: mm, cm, m, 1/N"},
       {[&](auto& o) { o.pixels.bits = 7; }, "--bits 7: allowed: 8 to 16, or 0"},
@@ -123,9 +131,10 @@ TEST_F(Files, WhoseContentCannotBeUsedGetOneLine) {
 }
 
 TEST_F(Files, InWhichNothingIsFoundAreWrong) {
-  Write("flat.png", cv::Mat1b(pair_.height, pair_.width, uint8_t{100}));
+  const cv::Mat1b grey(pair_.height, pair_.width, uint8_t{100});
   FilesOptions flat = options_;
-  flat.left = flat.right = folder_ / "flat.png";
+  flat.left = Write("flat.png", grey);
+  flat.right = Write("flat_right.png", grey);
   const Ended nothing = RunToEnd(flat);
   EXPECT_EQ(nothing.exit_code, 1);
   EXPECT_THAT(nothing.err, HasSubstr("; refine: no ToF point has a return"));
