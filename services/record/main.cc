@@ -68,18 +68,14 @@ void RequireChannel(const std::string& flag, const std::string& channel) {
 
 RecordingOptions OptionsOf(const Options& options) {
   RecordingOptions recording;
-  recording.channels = options.channels;
+  // One that is named twice is one, as when a script's names and the user's are given.
+  const std::set<std::string> names(options.channels.begin(), options.channels.end());
+  recording.channels.assign(names.begin(), names.end());
   recording.named = !options.channels.empty();
   if (recording.channels.empty()) {
     for (const std::string_view channel : AllChannels()) recording.channels.emplace_back(channel);
   }
-  std::set<std::string> names;
-  for (const std::string& channel : recording.channels) {
-    RequireChannel("--channels", channel);
-    if (!names.insert(channel).second) {
-      throw ConfigError("--channels: " + channel + " is given twice; allowed: once");
-    }
-  }
+  for (const std::string& channel : recording.channels) RequireChannel("--channels", channel);
   recording.folder = {.folder = options.folder,
                       .max_file_bytes = std::llround(options.max_mb * 1e6),
                       .quota_bytes = std::llround(options.quota_gb * 1e9),
