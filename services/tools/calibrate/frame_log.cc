@@ -46,7 +46,8 @@ std::string ReadFrameLog(const std::filesystem::path& path, const std::string& p
     complaints.push_back(fmt::format("{} messages cannot be read ({})", refused, first_refusal));
   }
   if (incomplete > 0) complaints.push_back(fmt::format("{} frames are not whole", incomplete));
-  if (damaged > 0) complaints.push_back(fmt::format("damaged in {} places", damaged));
+  if (damaged > 0)
+    complaints.push_back(fmt::format("damaged in {} place{}", damaged, damaged == 1 ? "" : "s"));
   if (complaints.empty()) return "";
   return fmt::format("{}: {}", path.string(), fmt::join(complaints, "; "));
 }

@@ -111,7 +111,8 @@ void AddQuiet(Flags& flags, Options& options) {
 void AddSceneFlags(Flags& flags, Options& options) {
   flags
       .Add("SCENE", options.scenes,
-           "Folders of Middlebury scenes with ground truth; synthetic:WxH, a simulated scene; "
+           "Folders of Middlebury scenes with ground truth, DIR or middlebury:DIR; synthetic:WxH, "
+           "a simulated scene; "
            "kitti:DIR/ID or kitti:DIR, one frame or all in KITTI's layout, with ?beams=N to keep "
            "32, 16, 8 or 4 of the scan's 64 beams")
       .Required();

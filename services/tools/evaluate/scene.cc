@@ -36,6 +36,7 @@ ConfigError BadChoice(const std::string& text, const std::string& reason) {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kKitti = "kitti:";
+constexpr std::string_view kMiddlebury = "middlebury:";
 
 bool IsSynthetic(const std::string& scene) { return scene.starts_with("synthetic:"); }
 
@@ -59,7 +60,8 @@ std::unique_ptr<scenes::Dataset> Open(const std::string& scene, const TofChoice&
                       (IsKitti(scene) ? "a scan of its own; allowed: scan, none"
                                       : "no scan; allowed: a simulated ToF camera, none"));
   }
-  config.set_source(IsSynthetic(scene) || IsKitti(scene) ? scene : "middlebury:" + scene);
+  config.set_source(IsSynthetic(scene) || IsKitti(scene) ? scene
+                                                         : std::string(kMiddlebury) + scene);
   config.set_tof("grid");
   config.set_tof_grid_px(1);  // fits every image
   tof.Apply(scenes::OpenDataset(config)->rig().pair.height, config);
@@ -163,6 +165,7 @@ void TofChoice::Apply(int rows, CaptureConfig& config) const {
 bool IsKitti(const std::string& scene) { return scene.starts_with(kKitti); }
 
 std::vector<std::string> ScenesOf(const std::string& scene) {
+  if (scene.starts_with(kMiddlebury)) return {scene.substr(kMiddlebury.size())};
   if (!IsKitti(scene)) return {scene};
   const size_t question = std::min(scene.rfind('?'), scene.size());
   std::vector<std::string> scenes;

@@ -79,7 +79,8 @@ inline constexpr double kAwayPx = 3;
 /// Whether the scene is in KITTI's layout ("kitti:…"), which has a recorded scan.
 bool IsKitti(const std::string& scene);
 
-/// The scenes of one argument: all frames of kitti:DIR, otherwise the scene itself.
+/// The scenes of one argument: all frames of kitti:DIR; DIR of middlebury:DIR, as capture calls it;
+/// otherwise the scene itself.
 /// @throws ConfigError when there is none.
 std::vector<std::string> ScenesOf(const std::string& scene);
 

@@ -29,6 +29,9 @@ std::string TypeText(std::span<const uint8_t> bytes) {
 
 Result<FrameId> Check(const LogEvent& event, const std::optional<MessageType>& type) {
   const auto wanted = TypeOfChannel(event.channel);
+  if (wanted && !FingerprintOf(event.data)) {
+    return Fail(fmt::format("{} bytes, too few for a {}", event.data.size(), NameOf(*wanted)));
+  }
   if (wanted && type != wanted) {
     return Fail("fingerprint " + TypeText(event.data) + " is not that of " + NameOf(*wanted));
   }

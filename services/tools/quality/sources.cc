@@ -194,7 +194,8 @@ std::string MeasureLog(const fs::path& log, const std::string& prefix, const std
   if (refused > 0)
     complaint = fmt::format("{} messages cannot be read ({})", refused, first_refusal);
   if (const size_t damaged = reader.log().damage().size(); damaged > 0) {
-    complaint += fmt::format("{}damaged in {} places", complaint.empty() ? "" : "; ", damaged);
+    complaint += fmt::format("{}damaged in {} place{}", complaint.empty() ? "" : "; ", damaged,
+                             damaged == 1 ? "" : "s");
   }
   if (!measurement.empty()) return complaint;
   std::string why = measurement.without_calibration() > 0

@@ -35,6 +35,11 @@ TEST(Scene, CarriesATofCameraOfItsOwn) {
   }
 }
 
+TEST(Scene, OfMiddleburyIsAFolderOrWhatCaptureCallsIt) {
+  EXPECT_EQ(ScenesOf("data/Art"), std::vector<std::string>{"data/Art"});
+  EXPECT_EQ(ScenesOf("middlebury:data/Art"), std::vector<std::string>{"data/Art"});
+}
+
 TEST(Scene, TakesWhatBothCamerasSeeFromKittisTruth) {
   const scenes::KittiFolder folder("000007");  // 5 px everywhere but at (0, 0)
   cv::Mat1w seen(30, 40, uint16_t{5 * 256});

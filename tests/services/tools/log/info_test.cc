@@ -124,6 +124,7 @@ TEST_F(LogInfo, FindsMessagesThatCannotBeDecoded) {
   const std::string out = OutOf({"info", file, "--check"}, 1);
   EXPECT_THAT(out, HasSubstr("SPROUT_LEFT: first undecodable message: event "));
   EXPECT_THAT(out, HasSubstr("sprout.seeds_t is not that of sprout.tof_image_t"));
+  EXPECT_THAT(out, HasSubstr(": 3 bytes, too few for a sprout.image_t"));
 }
 
 TEST_F(LogInfo, ReportsDamage) {
