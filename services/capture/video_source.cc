@@ -235,7 +235,8 @@ class VideoSource : public RawSource {
     trouble_ = (paired->alone_first.empty() ? rights[paired->alone_second.front()]
                                             : lefts[paired->alone_first.front()]) +
                ": has no partner";
-    if (lost_ > 1) trouble_ += fmt::format(", nor have {} others", lost_ - 1);
+    if (lost_ == 2) trouble_ += ", nor has one other";
+    if (lost_ > 2) trouble_ += fmt::format(", nor have {} others", lost_ - 1);
   }
 
   std::optional<scenes::CapturedFrame> Grab() {

@@ -68,8 +68,8 @@ std::vector<fs::path> FilesOf(const std::string& what, const std::string& text) 
   const bool is_folder = fs::is_directory(text, ignored);
   if (!is_folder && !IsPattern(text)) {
     throw ConfigError(fmt::format(
-        "{} {}: not there{}; allowed: an image, a folder of images, or a pattern in quotes", what,
-        text, WhyClosed(text)));
+        "{} {}: {}{}; allowed: an image, a folder of images, or a pattern in quotes", what, text,
+        fs::exists(text, ignored) ? "neither a file nor a folder" : "not there", WhyClosed(text)));
   }
   const std::vector<std::string> names =
       is_folder ? ImagesIn(what, text) : capture::FilesMatching(text);

@@ -84,6 +84,13 @@ TEST_F(VideoTest, JoinsImagesOfOneNumberAndNamesTheOthers) {
   EXPECT_FALSE(opened.cameras->Next({}));
 }
 
+TEST_F(VideoTest, CountsTheOthersWithoutAPartner) {
+  const auto opened =
+      OpenCameras("opencv:" + WriteList("left", 2) + "," + WriteList("right", 4), /*loop=*/false);
+  EXPECT_THAT(opened.cameras->Next({}).value().trouble,
+              testing::EndsWith("right02.png: has no partner, nor has one other"));
+}
+
 TEST_F(VideoTest, TakesImagesOf16BitsByTheBitsThatTheyUse) {
   for (const char* name : {"left0.png", "right0.png"}) {
     cv::Mat1w image(48, 64, uint16_t{400});

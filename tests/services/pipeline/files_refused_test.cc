@@ -39,6 +39,8 @@ TEST_F(Files, ThatCannotBeUsedAreRefusedBeforeAnythingIsComputed) {
     std::string text;
   } table[] = {
       {[&](auto& o) { o.left = nothing; }, "LEFT " + nothing + ": not there; allowed: "},
+      {[&](auto& o) { o.tof = "/dev/null"; },
+       "--tof /dev/null: neither a file nor a folder; allowed: "},
       {[&](auto& o) { o.left = loop; },
        "LEFT " + loop + ": not there (Too many levels of symbolic links); allowed: "},
       {[&](auto& o) { o.right = empty; }, "RIGHT " + empty + ": holds no image"},
