@@ -14,6 +14,7 @@ namespace {
 // A quaternion that was written with seven digits is still one.
 constexpr double kUnitTolerance = 1e-6;
 
+constexpr double kMinBaselineM = 1e-4;  // as of a rectified pair
 constexpr double kMaxAngleDeg = 60;
 // Least shares of what both cameras see. A pair of equal lenses that look into one direction has
 // 0.75 and more.
@@ -108,7 +109,8 @@ Result<void> CheckRawRig(const RawRig& rig) {
       std::abs(place_m.y()) <= std::abs(place_m.x()), "left_from_right.translation_m y",
       place_m.y(),
       "less than x; of cameras that stand above each other turn the images by 90 degrees");
-  checks.Positive("left_from_right.translation_m x", place_m.x());
+  checks.Require(place_m.x() >= kMinBaselineM, "left_from_right.translation_m x", place_m.x(),
+                 "0.0001 m or more: the right camera stands right of the left one");
   if (rig.tof.width > 0 || rig.tof.height > 0) {
     CheckCamera(checks, "tof", rig.tof);
     CheckPose(checks, "left_from_tof", rig.left_from_tof);

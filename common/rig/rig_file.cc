@@ -1,6 +1,7 @@
 #include "common/rig/rig_file.h"
 
 #include <algorithm>
+#include <limits>
 #include <string_view>
 
 #include "common/config/config.h"
@@ -28,13 +29,15 @@ void Fill(const std::string& field, const Numbers& numbers, bool may_be_fewer, V
   std::copy(numbers.begin(), numbers.end(), values.begin());
 }
 
+// A principal point that is not there is no corner of the image: as NaN it is refused by its name.
 Lens LensOf(const std::string& name, const LensModel& model) {
+  constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
   Lens lens{.width = model.width(),
             .height = model.height(),
             .fx = model.fx(),
             .fy = model.fy(),
-            .cx = model.cx(),
-            .cy = model.cy()};
+            .cx = model.has_cx() ? model.cx() : kMissing,
+            .cy = model.has_cy() ? model.cy() : kMissing};
   Fill(name + ".distortion", model.distortion(), /*may_be_fewer=*/true, lens.distortion);
   return lens;
 }

@@ -222,12 +222,24 @@ TEST_F(RigFile, NamesThePlaceThatCannotBeUsed) {
               HasSubstr("pose.translation_m: 1 numbers; allowed: 3"));
 }
 
+TEST_F(RigFile, TakesNoPrincipalPointThatIsMissingForACorner) {
+  RigDescription description;
+  *description.mutable_calibration() = ToCalibration(TiltedRig());
+  description.mutable_calibration()->mutable_tof()->clear_cx();
+  ASSERT_TRUE(SaveRigFile(path_, description));
+  EXPECT_THAT(Error(), HasSubstr("calibration.tof.cx = nan: allowed is a finite number"));
+  description.mutable_calibration()->mutable_left()->clear_cy();
+  ASSERT_TRUE(SaveRigFile(path_, description));
+  EXPECT_THAT(Error(), HasSubstr("calibration.left.cy = nan: allowed is a finite number"));
+}
+
 TEST_F(RigFile, NamesTheFieldThatCannotBeUsed) {
   EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.left.fx = 0; }), HasSubstr("left.fx = 0"));
   EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.right.width = 320; }),
               HasSubstr("right.width × height = 320x480"));
   EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.left_from_right.translation_m *= -1; }),
-              HasSubstr("left_from_right.translation_m x = -0.1"));
+              AllOf(HasSubstr("left_from_right.translation_m x = -0.1"),
+                    HasSubstr("the right camera stands right of the left one")));
   EXPECT_THAT(ErrorAfter([](RawRig& rig) {
                 rig.left_from_right.translation_m = {0.001, 0.12, 0};
               }),
@@ -261,9 +273,9 @@ TEST_F(RigFile, RefusesNumbersThatNoCameraHas) {
   EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.left_from_right.translation_m.x() = 1e308; }),
               AllOf(HasSubstr("translation_m = 1e+308"), HasSubstr("-1000 to 1000 m")));
   EXPECT_THAT(ErrorAfter([](RawRig& rig) {
-                rig.left_from_right.translation_m = {1e-6, 0, 0};
+                rig.left_from_right.translation_m = {1e-308, 0, 0};
               }),
-              AllOf(HasSubstr("baseline_m = 1e-06"), HasSubstr("0.0001 to 1000 m")));
+              AllOf(HasSubstr("translation_m x = 1e-308"), HasSubstr("0.0001 m or more")));
 }
 
 // Of barrel distortion so strong that the image's corners would lie nearer to its middle than what
