@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -80,10 +81,12 @@ class PyDataset {
     const Unlocked free;
     scenes::DatasetFrame got = dataset_->Get(at);
     PyFrame result;
+    constexpr double kLatestUs = 9e18;  // what an int64_t holds
     // No data set has times: those of a capture that began at 0. A memory tells frames by them.
-    result.frame.id = {.utime = std::llround(period_us_ * static_cast<double>(at + 1)),
-                       .seq = at,
-                       .rig_id = RigId(dataset_->rig())};
+    result.frame.id = {
+        .utime = std::llround(std::min(period_us_ * (static_cast<double>(at) + 1), kLatestUs)),
+        .seq = at,
+        .rig_id = RigId(dataset_->rig())};
     result.frame.left = std::move(got.left);
     result.frame.right = std::move(got.right);
     result.frame.tof = std::move(got.tof);

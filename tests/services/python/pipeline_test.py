@@ -105,6 +105,8 @@ class BytesTest(unittest.TestCase):
         self.assertEqual([frame.utime for frame in frames], [250000, 500000, 750000])
         resets = [compute(pipeline, frame, seq=frame.seq, utime=frame.utime).motion.reset for frame in frames]
         self.assertEqual(resets, ["FIRST", "NONE", "NONE"])
+        slow = sprout.Dataset("synthetic:64x48", sprout.Config("capture { rate_hz: 1e-300 }"))
+        self.assertEqual(slow[1].utime, 9 * 10**18)
 
     def test_fused_maps_and_motions_have_the_bytes_of_sprout_temporal(self) -> None:
         config = ("default", "temporal { in_pipeline: true }")
