@@ -59,8 +59,11 @@ void StatusReporter::PublishStatus() {
 }
 
 void StatusReporter::Publish(std::string_view channel, std::span<const uint8_t> bytes) {
-  publisher_.Publish(channel, bytes) ? monitor_.StatusSent()
-                                     : monitor_.NotSent(publisher_.failure());
+  if (publisher_.Publish(channel, bytes)) {
+    monitor_.StatusSent();
+  } else {
+    monitor_.NotSent(publisher_.failure());
+  }
 }
 
 ProcessInfo LiveProcessInfo(const StageStatus& status, const SproutConfig& config) {
