@@ -15,6 +15,12 @@ struct SurfaceRules {
   /// The side of a cell is this quantile of the distances from a return to the next one: three of
   /// four. The others have lost their neighbour.
   static constexpr double kWithNext = 0.75;
+  /// Points that are scattered, not in rows, are far from the next one in their own row: then cells
+  /// that have any have more points than this, 30 to 180. Those of a lidar's beams have up to 6.
+  static constexpr double kCrowd = 8;
+  /// Cells are made as large as to have so many of scattered points: then three of four have a
+  /// neighbour in the next cell.
+  static constexpr double kScatteredPerCell = 1.4;
 
   // Noise of the points.
   /// Quantile of the deviations from which σ is estimated. It is low because points on curved

@@ -79,6 +79,29 @@ void TofSurface::SetSteps(const TofCamera& tof, std::span<const ProjectedPoint> 
   row_step_ = RowStep(tof, points, 1);
   // The next beam's points of a lidar need not lie in the same column.
   next_row_ = column_step_ == 1 ? row_step_ : std::max(1, RowStep(tof, points, column_step_));
+  if (has_pixels()) return;
+  const double crowd = PointsPerCell(tof, points);
+  if (crowd <= SurfaceRules::kCrowd) return;
+  const double part = std::sqrt(SurfaceRules::kScatteredPerCell / crowd);
+  const auto smaller = [&](int step) {
+    return std::max(1, static_cast<int>(std::lround(part * step)));
+  };
+  column_step_ = smaller(column_step_);
+  row_step_ = next_row_ = smaller(row_step_);
+}
+
+// Of the cells that have any.
+double TofSurface::PointsPerCell(const TofCamera& tof, std::span<const ProjectedPoint> points) {
+  const int columns = tof.width / column_step_ + 1;
+  filled_.assign(static_cast<size_t>(columns * (tof.height / row_step_ + 1)), 0);
+  size_t cells = 0;
+  for (const ProjectedPoint& point : points) {
+    const cv::Point cell = CellOf(point);
+    uint8_t& filled = filled_[static_cast<size_t>(cell.y * columns + cell.x)];
+    if (filled == 0) ++cells;
+    filled = 1;
+  }
+  return static_cast<double>(points.size()) / static_cast<double>(std::max<size_t>(1, cells));
 }
 
 void TofSurface::Set(const Rig& rig, std::span<const ProjectedPoint> points) {

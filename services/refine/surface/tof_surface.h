@@ -163,6 +163,7 @@ class TofSurface {
 
   int RowStep(const TofCamera& tof, std::span<const ProjectedPoint> points, int columns);
   void SetSteps(const TofCamera& tof, std::span<const ProjectedPoint> points);
+  double PointsPerCell(const TofCamera& tof, std::span<const ProjectedPoint> points);
   // Index of the cell in which a point lies.
   size_t IndexOf(const ProjectedPoint& point) const {
     return static_cast<size_t>((point.tof_v / row_step_ + 1) * stride_ +
@@ -196,6 +197,7 @@ class TofSurface {
   std::vector<float> disparity_;  // of the cells and one more all around, NaN = none
   std::vector<int> last_row_;     // with a return in each ToF column
   std::vector<int> gaps_;
+  std::vector<uint8_t> filled_;  // cells with a point
   std::vector<Deviation> deviations_;
   std::optional<RangeNoise> noise_;       // once it was asked for
   std::vector<double> block_noise_px_;    // the same

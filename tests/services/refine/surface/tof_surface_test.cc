@@ -285,6 +285,26 @@ TEST(TofSurface, IsASurfaceWhereFewPixelsHaveAPoint) {
   EXPECT_TRUE(surface.IsIsolated(points[300], 2));
 }
 
+// The next point in the same row may be 30 columns away, the next one of all is 4.
+TEST(TofSurface, IsASurfaceWherePointsAreScattered) {
+  Rig rig = SomeRig();
+  rig.tof.width = 120;
+  rig.tof.height = 100;
+  cv::RNG random(4);
+  std::vector<ProjectedPoint> points;
+  for (int j = 0; j < 100; ++j) {
+    for (int i = 0; i < 120; ++i) {
+      const double bent = 20 + 0.004 * i * i + 0.003 * j * j;
+      if (random.uniform(0., 1.) < 0.05) points.push_back(Point(i, j, static_cast<float>(bent)));
+    }
+  }
+  TofSurface surface(rig, points);
+  EXPECT_FALSE(surface.has_pixels());
+  EXPECT_NEAR(surface.column_px(), 8 * std::sqrt(1.4 / 0.05), 8);
+  EXPECT_NEAR(surface.row_px(), 8 * std::sqrt(1.4 / 0.05), 8);
+  EXPECT_LT(surface.Noise(points).middle_px, 1);
+}
+
 TEST(TofSurface, EstimatesTheNoiseOfItsPointsAndNotTheirShape) {
   cv::RNG random(5);
   for (const double noise_px : {0.0, 0.7}) {
