@@ -240,6 +240,8 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
   }
   if (refiner_.sensor_place().is_displaced) {
     AddLine(outcome, PlaceText(refiner_.sensor_place()));
+  } else if (error.rejected && !refiner_.contradiction().points.empty()) {
+    AddLine(outcome, ContradictionText(refiner_.contradiction()));
   } else if (error.rejected) {
     const auto percent = std::lround(100 * error.contradicted_share);
     AddLine(outcome, "the images contradict the range points in " + std::to_string(percent) +
@@ -273,7 +275,7 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
   outcome.ranges_refused = error.Refuses() || refiner_.are_noise();
   outcome.ranges_alone = error.pair_unfit && error.moved_share == 0 && !outcome.ranges_refused;
   outcome.finding = RangeErrorText(error);
-  if (!refiner_.contradiction().points.empty()) {
+  if (!error.rejected && !refiner_.contradiction().points.empty()) {
     PutFirst(outcome, ContradictionText(refiner_.contradiction()));
   }
   if (refiner_.smoothing()) PutFirst(outcome, SmoothingText(refiner_.smoothing()));

@@ -200,51 +200,6 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
   surface_.Set(rig, points_);
 }
 
-// Whether much is wrong with the points, or they are nearer than anything that stereo looks for.
-bool Refiner::IsDoubtful(int columns) const {
-  if (range_error_.Refuses() || range_error_.pair_unfit) return false;
-  if (!config_.stereo_seeds() || !surface_.has_pixels()) return false;
-  const auto most_px = static_cast<float>(stereo_.MostDisparityPx(columns));
-  const auto near = std::ranges::count_if(
-      points_, [&](const ProjectedPoint& point) { return point.seed.disparity() > most_px; });
-  return range_error_.contradicted_share > RangeRules::kDoubtfulShare ||
-         range_error_.far_from_curve_share > RangeRules::kDoubtfulMoves ||
-         static_cast<double>(near) > RangeRules::kNearShare * static_cast<double>(points_.size());
-}
-
-// Whether stereo that knows nothing of the points shows that all belong elsewhere; if not, which it
-// contradicts. Asked only where much is wrong with them: first of coarse matches, which take a
-// fifth of the time.
-bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
-                          const TofProjector& projector) {
-  if (!IsDoubtful(left.cols)) return false;
-  int behind = 0;
-  const std::vector<ProjectedPoint> raw = projector.Project(tof, behind);
-  const PlacedPoints points{.raw = raw,
-                            .corrected = points_,
-                            .spacing_px = {surface_.column_px(), surface_.row_px()},
-                            .image = left.size(),
-                            .infinity_px = projector.rig().pair.cx - projector.rig().pair.cx_right};
-  double error_px = 0;
-  const std::span<const Seed> coarse = stereo_.FindCoarse(left, right, error_px);
-  const double coarse_px = RangeRules::kAgreePx + error_px;
-  const bool differs = !FindContradicted(left, right, points, coarse, coarse_px).points.empty();
-  const bool may_be_displaced =
-      FindSensorPlace(points, coarse, coarse_px, RangeRules::kFirstLook).is_displaced;
-  if (!differs && !may_be_displaced) return false;
-  const std::span<const Seed> matches = stereo_.Find(left, right, {}, {}, 0, zones_.most_px());
-  if (range_error_.moved_share == 0 && ShiftsRows(points, matches)) {
-    range_error_.pair_unfit = range_error_.rows_shifted = true;
-    range_error_.curve.clear();
-    return false;
-  }
-  place_ = FindSensorPlace(points, matches, RangeRules::kAgreePx);
-  if (differs && !place_.is_displaced) {
-    against_ = FindContradicted(left, right, points, matches, RangeRules::kAgreePx);
-  }
-  return place_.is_displaced;
-}
-
 // What zones say of a place is no correspondence to grow from.
 void Refiner::FillFromZones(const SeedSet& result, const CellGrid& grid, cv::Size image) {
   Join(result.seeds, left_seeds_.seeds, all_seeds_);

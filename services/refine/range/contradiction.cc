@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "services/refine/range/range_costs.h"
 #include "services/refine/range/range_rules.h"
 #include "services/refine/surface/surface_rules.h"
 #include "services/refine/surface/tof_surface.h"
@@ -98,6 +100,25 @@ std::vector<size_t> SurfacesOf(std::span<const ProjectedPoint> points, const Cel
   return surfaces;
 }
 
+// Whether the images clearly prefer one disparity to another at a place.
+bool Prefers(const cv::Mat1b& left, const cv::Mat1b& right, const Seed& place, double disparity,
+             double to) {
+  const auto difference = [&](double of) {
+    return SurfaceRules::kNoise + WindowDifference(left, right, place.u, place.v, place.u - of);
+  };
+  return difference(to) > RangeRules::kBetterMatch * difference(disparity);
+}
+
+// Whether the windows of a match are alike, as they are not where one image is blurred.
+bool IsAlike(const cv::Mat1b& left, const cv::Mat1b& right, const Seed& match) {
+  const std::optional<OffsetMoments> moments = MomentsOf(
+      left, right, {.at = {match.u, match.v}, .disparity_px = match.disparity(), .slope = {}});
+  if (!moments) return false;
+  const OffsetCosts costs = CostsOf(*moments, RangeRules::kUnlikeVariance);
+  const auto* const here = costs.begin() + RangeRules::kZeroLabel;
+  return *std::min_element(here - 1, here + 2) < 1 - RangeRules::kContradicted;
+}
+
 // What each match says of the point that it lies at: it agrees with one of those around, or the
 // images prefer its disparity to theirs. Where they do not, stereo may err.
 std::vector<MatchVotes> VotesOf(const cv::Mat1b& left, const cv::Mat1b& right,
@@ -126,13 +147,8 @@ std::vector<MatchVotes> VotesOf(const cv::Mat1b& left, const cv::Mat1b& right,
       ++votes[best].agreeing;
       continue;
     }
-    const auto difference = [&](double disparity) {
-      return SurfaceRules::kNoise +
-             WindowDifference(left, right, match.u, match.v, match.u - disparity);
-    };
-    const bool is_better = difference(all[best].seed.disparity()) >
-                           RangeRules::kBetterMatch * difference(match.disparity());
-    if (is_better) ++votes[cells.At(cell)].against;
+    if (Prefers(left, right, match, match.disparity(), all[best].seed.disparity()))
+      ++votes[cells.At(cell)].against;
   }
   return votes;
 }
@@ -169,6 +185,51 @@ Contradiction FindContradicted(const cv::Mat1b& left, const cv::Mat1b& right,
     found.points[i] = is_wrong ? 1 : 0;
   }
   return found;
+}
+
+double ShareAgainst(const cv::Mat1b& left, const cv::Mat1b& right,
+                    std::span<const ProjectedPoint> points, std::span<const Seed> matches,
+                    double reach_px) {
+  cv::Mat1i cells(static_cast<int>(left.rows / reach_px) + 1,
+                  static_cast<int>(left.cols / reach_px) + 1, -1);
+  const cv::Rect all({}, cells.size());
+  const auto cell_of = [&](const Seed& seed) {
+    return cv::Point(cvFloor(seed.u / reach_px), cvFloor(seed.v / reach_px));
+  };
+  for (size_t i = 0; i < matches.size(); ++i) {
+    const cv::Point cell = cell_of(matches[i]);
+    if (all.contains(cell)) cells(cell) = static_cast<int>(i);
+  }
+  MatchVotes votes;
+  for (const ProjectedPoint& point : points) {
+    const Seed& seed = point.seed;
+    const cv::Point cell = cell_of(seed);
+    const cv::Rect around = all & cv::Rect(cell.x - 1, cell.y - 1, 3, 3);
+    const Seed* nearest = nullptr;
+    double distance_px = reach_px;
+    bool agrees = false;
+    for (int y = around.y; y < around.y + around.height; ++y) {
+      for (int x = around.x; x < around.x + around.width; ++x) {
+        if (cells(y, x) < 0) continue;
+        const Seed& match = matches[static_cast<size_t>(cells(y, x))];
+        const double off_px = std::hypot(match.u - seed.u, match.v - seed.v);
+        if (off_px > reach_px) continue;
+        agrees |= std::abs(match.disparity() - seed.disparity()) <= RangeRules::kAgreePx;
+        if (off_px > distance_px) continue;
+        distance_px = off_px;
+        nearest = &match;
+      }
+    }
+    if (agrees) {
+      ++votes.agreeing;
+    } else if (nearest != nullptr &&
+               Prefers(left, right, seed, nearest->disparity(), seed.disparity()) &&
+               IsAlike(left, right, *nearest)) {
+      ++votes.against;
+    }
+  }
+  const double asked = votes.agreeing + votes.against;
+  return asked < RangeRules::kFewestOfScan ? 0 : votes.against / asked;
 }
 
 }  // namespace sprout::refine

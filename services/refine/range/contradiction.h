@@ -27,4 +27,15 @@ Contradiction FindContradicted(const cv::Mat1b& left, const cv::Mat1b& right,
                                const PlacedPoints& points, std::span<const Seed> matches,
                                double agree_px);
 
+/// Share of a scan's points that stereo contradicts, of those that a match lies beside: none of the
+/// matches within `reach_px` agrees, and at the point's own place the images prefer the disparity
+/// of the nearest one, whose windows are alike.
+/// @param matches   at most about one in each square of `reach_px`; of more the last one counts.
+/// @param reach_px  above 0.
+/// @returns 0 to 1; 0 also where fewer than RangeRules::kFewestOfScan points can be asked.
+/// O(points + matches). No I/O; one thread; the same on every machine.
+double ShareAgainst(const cv::Mat1b& left, const cv::Mat1b& right,
+                    std::span<const ProjectedPoint> points, std::span<const Seed> matches,
+                    double reach_px);
+
 }  // namespace sprout::refine

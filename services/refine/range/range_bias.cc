@@ -118,8 +118,7 @@ double RangeBias::JudgeNodes() {
   const std::span<const NodeOffset> offsets = field_.offsets();
   wrong_nodes_.assign(nodes.size(), 0);
   const double noise = RangeRules::kUnlikeVariance + nodes_.noise();
-  size_t judged = 0;
-  size_t wrong = 0;
+  size_t judged = 0, wrong = 0;
   for (size_t i = 0; i < nodes.size(); ++i) {
     const double signal = offsets[i].texture - noise;
     if (!nodes[i].whole || signal < RangeRules::kClearSignal * noise) continue;
@@ -130,6 +129,7 @@ double RangeBias::JudgeNodes() {
     ++wrong;
     wrong_nodes_[i] = 1;
   }
+  unlike_nodes_ = wrong_nodes_;
   KeepPatches(nodes_, RangeRules::kProvedNodes, wrong_nodes_);
   return judged < RangeRules::kFewestNodes
              ? 0
@@ -153,10 +153,11 @@ bool RangeBias::MatchesElsewhere(const RangeInput& input, std::span<const Seed> 
       matched(grid.At(match.v), grid.At(match.u)) = 1;
     }
   }
-  size_t contradicted = 0;
-  size_t elsewhere = 0;
-  for (size_t i = 0; i < wrong_nodes_.size(); ++i) {
-    if (wrong_nodes_[i] == 0) continue;
+  size_t contradicted = 0, elsewhere = 0;
+  // A lidar's nodes seldom lie side by side.
+  const std::vector<uint8_t>& wrong = input.surface.has_pixels() ? wrong_nodes_ : unlike_nodes_;
+  for (size_t i = 0; i < wrong.size(); ++i) {
+    if (wrong[i] == 0) continue;
     const cv::Point2d& at = nodes_.nodes()[i].at;
     ++contradicted;
     elsewhere += matched(grid.At(at.y), grid.At(at.x));

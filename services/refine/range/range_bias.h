@@ -85,8 +85,9 @@ class RangeBias {
   RangeField field_;
   RangeError error_;
   std::vector<double> start_px_;
-  std::vector<uint8_t> wrong_nodes_;
-  cv::Mat1b asked_;  // of the nodes' cells
+  std::vector<uint8_t> unlike_nodes_;  // that the images contradict
+  std::vector<uint8_t> wrong_nodes_;   // those of them in patches
+  cv::Mat1b asked_;                    // of the nodes' cells
   std::vector<uint8_t> contradicted_;
   std::vector<uint8_t> moved_;
 };

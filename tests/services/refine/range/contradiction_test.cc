@@ -77,5 +77,46 @@ TEST(Contradiction, NeedsImagesThatPreferTheMatches) {
   EXPECT_EQ(std::ranges::count(found.points, 1), 0);
 }
 
+// Points are compared with matches at their own places, and count alike.
+TEST(ShareAgainst, IsThatOfThePointsThatTheImagesContradict) {
+  FlatScene wall;
+  std::vector<Seed> matches;
+  for (int v = 4; v < kPicture.height - 4; v += 8) {
+    for (int u = 44; u < kPicture.width - 4; u += 8) matches.push_back(MatchAt(u, v, 20));
+  }
+  const auto share = [&] { return ShareAgainst(wall.left, wall.right, wall.points, matches, 8); };
+  EXPECT_EQ(share(), 0);
+  wall.SetDisparity({60, 0, 60, 80}, 33);
+  EXPECT_NEAR(share(), 60 / 112.0, 0.02);
+  wall.SetDisparity({60, 0, 60, 80}, 21);
+  EXPECT_EQ(share(), 0);
+  wall.SetDisparity({0, 0, 120, 80}, 33);
+  matches.resize(8);  // beside fewer than 50 points
+  EXPECT_EQ(share(), 0);
+}
+
+// Images of two scenes may prefer one place to another, here by brightness.
+TEST(ShareAgainst, NeedsMatchesWhoseWindowsAreAlike) {
+  FlatScene wall;
+  wall.SetDisparity({0, 0, 120, 80}, 33);
+  std::vector<Seed> matches;
+  for (int v = 4; v < kPicture.height - 4; v += 8) matches.push_back(MatchAt(226, v, 20));
+  const auto share = [&] { return ShareAgainst(wall.left, wall.right, wall.points, matches, 8); };
+  EXPECT_GT(share(), 0.9);
+  cv::RNG(8).fill(wall.right, cv::RNG::UNIFORM, 0, 256);
+  wall.right.colRange(0, 198) = 0;
+  EXPECT_EQ(share(), 0);
+}
+
+TEST(ShareAgainst, NeedsImagesThatPreferTheMatches) {
+  FlatScene wall;
+  wall.left = 90;
+  wall.right = 90;
+  wall.SetDisparity({0, 0, 120, 80}, 33);
+  std::vector<Seed> matches;
+  for (int u = 44; u < kPicture.width - 4; ++u) matches.push_back(MatchAt(u, 200, 20));
+  EXPECT_EQ(ShareAgainst(wall.left, wall.right, wall.points, matches, 8), 0);
+}
+
 }  // namespace
 }  // namespace sprout::refine
