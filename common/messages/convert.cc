@@ -1,7 +1,6 @@
 #include "common/messages/convert.h"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 #include <string>
@@ -63,11 +62,7 @@ image_t ToMessage(const FrameId& id, const cv::Mat& image) {
   message.row_stride = image.cols * image.channels();
   message.pixel_format = image_t::PIXEL_FORMAT_GREY;
   if (image.channels() == 3) message.pixel_format = image_t::PIXEL_FORMAT_BGR3;
-  const auto row_bytes = static_cast<size_t>(message.row_stride);
-  message.data.resize(row_bytes * static_cast<size_t>(image.rows));
-  for (int v = 0; v < image.rows; ++v) {
-    std::memcpy(&message.data[static_cast<size_t>(v) * row_bytes], image.ptr(v), row_bytes);
-  }
+  message.data = BytesOf(image);
   message.size = static_cast<int32_t>(message.data.size());
   return message;
 }
@@ -196,7 +191,7 @@ disparity_image_t ToMessage(const FrameId& id, const DisparityImage& disparity,
   switch (encoding) {
     case DisparityEncoding::kRawInt16:
       message.encoding = disparity_image_t::ENCODING_RAW_INT16;
-      message.data = EncodeRawInt16(disparity);
+      message.data = BytesOf(disparity.counts());
       break;
     case DisparityEncoding::kDeltaZstd:
       message.encoding = disparity_image_t::ENCODING_DELTA_ZSTD;

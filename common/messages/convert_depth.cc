@@ -8,6 +8,7 @@
 #include "common/core/check_lens.h"
 #include "common/core/checks.h"
 #include "common/messages/convert.h"
+#include "common/messages/disparity_codec.h"
 #include "common/messages/pose_fields.h"
 
 namespace sprout {
@@ -36,11 +37,7 @@ depth_image_t ToMessage(const FrameId& id, const DepthImage& depth) {
   message.cx = depth.cx;
   message.cy = depth.cy;
   message.metres_per_count = depth.metres_per_count;
-  const size_t row_bytes = sizeof(uint16_t) * static_cast<size_t>(depth.counts.cols);
-  message.depth.resize(row_bytes * static_cast<size_t>(depth.counts.rows));
-  for (int v = 0; v < depth.counts.rows; ++v) {
-    std::memcpy(&message.depth[static_cast<size_t>(v) * row_bytes], depth.counts[v], row_bytes);
-  }
+  message.depth = BytesOf(depth.counts);
   message.size = static_cast<int32_t>(message.depth.size());
   return message;
 }

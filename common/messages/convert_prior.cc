@@ -18,16 +18,8 @@ size_t SigmaBytes(cv::Size size) {
   return static_cast<size_t>(size.width) * static_cast<size_t>(size.height);
 }
 
-// The two encodings of the standard deviations in lcmtypes/prior_t.lcm, counts as in PriorMap.
-// Both lossless; O(pixels).
-std::vector<uint8_t> EncodeSigmaRaw(const cv::Mat1b& sigma) {
-  std::vector<uint8_t> data;
-  data.reserve(SigmaBytes(sigma.size()));
-  for (int v = 0; v < sigma.rows; ++v) data.insert(data.end(), sigma[v], sigma[v] + sigma.cols);
-  return data;
-}
-
-// The inverse; an error when `data` is not exactly one map of `size`.
+// The encodings of the standard deviations in lcmtypes/prior_t.lcm, counts as in PriorMap, besides
+// BytesOf(), and the inverse of both; an error when `data` is not exactly one map of `size`.
 Result<cv::Mat1b> DecodeSigmaRaw(std::span<const uint8_t> data, cv::Size size) {
   if (data.size() != SigmaBytes(size)) {
     return Fail("sigma_size = " + std::to_string(data.size()) +
@@ -115,8 +107,8 @@ prior_t ToMessage(const FrameId& id, const PriorMap& prior, DisparityEncoding en
   switch (encoding) {
     case DisparityEncoding::kRawInt16:
       message.encoding = prior_t::ENCODING_RAW;
-      message.data = EncodeRawInt16(prior.disparity);
-      message.sigma = EncodeSigmaRaw(prior.sigma);
+      message.data = BytesOf(prior.disparity.counts());
+      message.sigma = BytesOf(prior.sigma);
       break;
     case DisparityEncoding::kDeltaZstd:
       message.encoding = prior_t::ENCODING_DELTA_ZSTD;

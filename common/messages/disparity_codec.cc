@@ -12,19 +12,20 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "counts are little-endian on the wire and are copied as they are");
 
-size_t RowBytes(cv::Size size) { return static_cast<size_t>(size.width) * sizeof(int16_t); }
-
-size_t DisparityBytes(cv::Size size) { return RowBytes(size) * static_cast<size_t>(size.height); }
+size_t DisparityBytes(cv::Size size) {
+  return sizeof(int16_t) * static_cast<size_t>(size.width) * static_cast<size_t>(size.height);
+}
 
 }  // namespace
 
-std::vector<uint8_t> EncodeRawInt16(const DisparityImage& disparity) {
-  const size_t row_bytes = RowBytes(disparity.size());
-  std::vector<uint8_t> data(DisparityBytes(disparity.size()));
-  for (int v = 0; v < disparity.height(); ++v) {
-    std::memcpy(&data[static_cast<size_t>(v) * row_bytes], disparity.counts()[v], row_bytes);
+std::vector<uint8_t> BytesOf(const cv::Mat& image) {
+  const size_t row_bytes = image.elemSize() * static_cast<size_t>(image.cols);
+  std::vector<uint8_t> bytes;
+  bytes.reserve(row_bytes * static_cast<size_t>(image.rows));
+  for (int v = 0; v < image.rows; ++v) {
+    bytes.insert(bytes.end(), image.ptr(v), image.ptr(v) + row_bytes);
   }
-  return data;
+  return bytes;
 }
 
 Result<DisparityImage> DecodeRawInt16(std::span<const uint8_t> data, cv::Size size) {
@@ -33,10 +34,7 @@ Result<DisparityImage> DecodeRawInt16(std::span<const uint8_t> data, cv::Size si
                 ": allowed is 2 × width × height = " + std::to_string(DisparityBytes(size)));
   }
   DisparityImage disparity{cv::Mat1s(size)};
-  for (int v = 0; v < size.height; ++v) {
-    std::memcpy(disparity.counts()[v], data.data() + static_cast<size_t>(v) * RowBytes(size),
-                RowBytes(size));
-  }
+  std::memcpy(disparity.counts().data, data.data(), data.size());  // a new map has no gaps
   return disparity;
 }
 
