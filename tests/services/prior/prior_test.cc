@@ -55,9 +55,8 @@ TEST(Prior, SaysHowSureItIsBetweenItsSeedsAndThatItKnowsNothingBeyond) {
 TEST(Prior, RefusesSidesForWhichItsNumbersAreTooShort) {
   PriorEstimator estimator(Delaunay());
   const std::vector<Seed> seeds = {SeedAt(0, 0, 5), SeedAt(2, 0, 5), SeedAt(1, 16383, 5)};
-  const auto map = estimator.Compute({}, {}, seeds, {3, 16384});
-  ASSERT_TRUE(map.has_value());
-  EXPECT_EQ(map->disparity.CountValid(), 3 * 16384);
+  const auto map = estimator.Compute({}, {}, seeds, {3, 16384}).value();
+  EXPECT_EQ(map.disparity.CountValid(), 3 * 16384);
   const auto too_long = estimator.Compute({}, {}, seeds, {3, 16385});
   ASSERT_FALSE(too_long.has_value());
   EXPECT_THAT(too_long.error().text, HasSubstr("3x16385: allowed are up to 16384"));
@@ -202,9 +201,9 @@ TEST(Edges, SurviveTinyImages) {
     const std::vector<Seed> seeds = {{-1, -1, -9}, {9, -1, 7}, {-1, 9, -9}, {9, 9, 1}};
     const auto prior =
         PriorEstimator(PriorConfig())
-            .Compute(cv::Mat3b(size, cv::Vec3b()), cv::Mat1b(size, uint8_t{0}), seeds, size);
-    ASSERT_TRUE(prior.has_value());
-    EXPECT_EQ(prior->disparity.CountValid(), static_cast<int64_t>(size.area()));
+            .Compute(cv::Mat3b(size, cv::Vec3b()), cv::Mat1b(size, uint8_t{0}), seeds, size)
+            .value();
+    EXPECT_EQ(prior.disparity.CountValid(), static_cast<int64_t>(size.area()));
   }
 }
 
@@ -216,29 +215,30 @@ TEST(Edges, SayWhyThereIsNoneAndGoOn) {
                       PriorBy(PriorConfig::EDGES, step, step.Seeds())));
 }
 
-TEST(PriorAdapter, TakesFarPointsWithNegativeDisparitiesInTheWidestImages) {
+// A frame of 64×48 px that has these seeds.
+Frame FrameWith(const std::vector<Seed>& seeds) {
   Frame frame;
   frame.rig.emplace();
+  frame.rig->pair.width = 64;
+  frame.rig->pair.height = 48;
+  frame.left = frame.right = cv::Mat(48, 64, CV_8UC1, cv::Scalar(7));
+  frame.seeds = SeedSet{.seeds = seeds, .raw = static_cast<int>(seeds.size())};
+  frame.left_seeds = SeedSet();
+  return frame;
+}
+
+TEST(PriorAdapter, TakesFarPointsWithNegativeDisparitiesInTheWidestImages) {
+  Frame frame = FrameWith({SeedAt(9, 0, -5), SeedAt(16000, 0, -5), SeedAt(100, 3, -5)});
   frame.rig->pair = CentredPair(16384, 4, 16000);
   frame.rig->pair.cx_right = 8197;
   frame.left = frame.right = cv::Mat(4, 16384, CV_8UC1, cv::Scalar(7));
-  frame.seeds =
-      SeedSet{.seeds = {SeedAt(9, 0, -5), SeedAt(16000, 0, -5), SeedAt(100, 3, -5)}, .raw = 3};
-  frame.left_seeds = SeedSet();
   const StageResult outcome = PriorAdapter(Delaunay()).Process(frame);
   EXPECT_EQ(outcome.degenerate, "");
   EXPECT_GT(std::get<PriorMap>(outcome.outputs[0].value).disparity.CountValid(), 4 * 15000);
 }
 
 TEST(PriorAdapter, AnswersADegenerateFrameWithAnEmptyMap) {
-  Frame frame;
-  frame.rig.emplace();
-  frame.rig->pair.width = 64;
-  frame.rig->pair.height = 48;
-  frame.left = cv::Mat(48, 64, CV_8UC1);
-  frame.seeds = SeedSet{.seeds = {SeedAt(1, 1, 1)}, .raw = 1};
-  frame.left_seeds = SeedSet();
-  const StageResult outcome = PriorAdapter(Delaunay()).Process(frame);
+  const StageResult outcome = PriorAdapter(Delaunay()).Process(FrameWith({SeedAt(1, 1, 1)}));
   EXPECT_THAT(outcome.degenerate, HasSubstr("at least 3"));
   ASSERT_EQ(outcome.outputs.size(), 1u);
   EXPECT_EQ(outcome.outputs[0].part, Part::kPrior);
@@ -248,12 +248,8 @@ TEST(PriorAdapter, AnswersADegenerateFrameWithAnEmptyMap) {
 }
 
 TEST(PriorAdapter, AnswersWithTheSizeOfTheImagesWhateverTheCalibrationClaims) {
-  Frame frame;
-  frame.rig.emplace();
+  Frame frame = FrameWith({SeedAt(0, 0, 5), SeedAt(9, 0, 5), SeedAt(1, 9, 5)});
   frame.rig->pair.width = frame.rig->pair.height = 10000;
-  frame.left = frame.right = cv::Mat(48, 64, CV_8UC1, cv::Scalar(7));
-  frame.seeds = SeedSet{.seeds = {SeedAt(0, 0, 5), SeedAt(9, 0, 5), SeedAt(1, 9, 5)}, .raw = 3};
-  frame.left_seeds = SeedSet();
   for (const auto method : {PriorConfig::DELAUNAY, PriorConfig::EDGES}) {
     PriorConfig config;
     config.set_method(method);
@@ -266,12 +262,7 @@ TEST(PriorAdapter, AnswersWithTheSizeOfTheImagesWhateverTheCalibrationClaims) {
 }
 
 TEST(PriorAdapter, TakesWhatOnlyTheLeftCameraSeesForSeedsIfToldTo) {
-  Frame frame;
-  frame.rig.emplace();
-  frame.rig->pair.width = 64;
-  frame.rig->pair.height = 48;
-  frame.left = cv::Mat(48, 64, CV_8UC1);
-  frame.seeds = SeedSet{.seeds = {SeedAt(40, 0, 8), SeedAt(60, 0, 8), SeedAt(40, 47, 8)}, .raw = 3};
+  Frame frame = FrameWith({SeedAt(40, 0, 8), SeedAt(60, 0, 8), SeedAt(40, 47, 8)});
   frame.left_seeds = SeedSet{.seeds = {SeedAt(0, 0, 20), SeedAt(0, 47, 20)}, .raw = 2};
   PriorConfig config = Delaunay();
   const auto at_the_left = [&](bool left_seeds) {
