@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include "common/config/config.h"
+#include "services/temporal/temporal_filter.h"
 #include "tests/services/temporal/moving_scene.h"
 
 namespace sprout::temporal {
@@ -21,6 +23,14 @@ inline std::vector<TemporalInput> Drive(int frames) {
     inputs.push_back(FrameFrom(SceneFrom(PoseAt(i)), i, kNoisePx));
   }
   return inputs;
+}
+
+/// What the filter makes of the last of them, after all others.
+inline TemporalOutput LastOf(const std::vector<TemporalInput>& inputs) {
+  TemporalFilter filter(Defaults());
+  TemporalOutput output;
+  for (const TemporalInput& input : inputs) output = filter.Compute(input);
+  return output;
 }
 
 }  // namespace sprout::temporal

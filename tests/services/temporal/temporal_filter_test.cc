@@ -31,10 +31,10 @@ TEST(TemporalFilter, GivesTheFirstFrameAsItIs) {
 }
 
 TEST(TemporalFilter, SteadiesAStillSceneAndStandsStill) {
-  TemporalFilter filter(Defaults());
   const MovingScene scene = SceneFrom(MovedBy(0, 0, 0));
-  TemporalOutput output;
-  for (int i = 0; i < 12; ++i) output = filter.Compute(FrameFrom(scene, i, kNoisePx));
+  std::vector<TemporalInput> frames;
+  for (int i = 0; i < 12; ++i) frames.push_back(FrameFrom(scene, i, kNoisePx));
+  const TemporalOutput output = LastOf(frames);
   const double single = ErrorOf(FrameFrom(scene, 11, kNoisePx).disparity, scene);
   EXPECT_LT(ErrorOf(output.disparity, scene), 0.45 * single);
   EXPECT_LT(output.motion.start_from_left.translation_m.norm(), 0.001);
@@ -119,11 +119,9 @@ TEST(TemporalFilter, ForgetsWhatNoNewMapShows) {
 }
 
 TEST(TemporalFilter, MovesTheMapWithTheCamera) {
-  TemporalFilter filter(Defaults());
   constexpr int kFrames = 10;
   const std::vector<TemporalInput> drive = Drive(kFrames);
-  TemporalOutput output;
-  for (const TemporalInput& input : drive) output = filter.Compute(input);
+  const TemporalOutput output = LastOf(drive);
   const MovingScene last = SceneFrom(PoseAt(kFrames - 1));
   EXPECT_LT(ErrorOf(output.disparity, last), 0.6 * ErrorOf(drive.back().disparity, last));
   EXPECT_EQ(output.motion.resets, 0);
@@ -160,12 +158,10 @@ TEST(TemporalFilter, FusesNegativeDisparities) {
 }
 
 TEST(TemporalFilter, FillsWhatTheNewMapLacks) {
-  TemporalFilter filter(Defaults());
   std::vector<TemporalInput> drive = Drive(4);
   const cv::Rect hole(60, 60, 80, 50);
   drive[3].disparity.counts()(hole).setTo(DisparityImage::kInvalid);
-  TemporalOutput output;
-  for (const TemporalInput& input : drive) output = filter.Compute(input);
+  const TemporalOutput output = LastOf(drive);
   const MovingScene last = SceneFrom(PoseAt(3));
   int filled = 0;
   for (int v = hole.y; v < hole.br().y; ++v) {
@@ -177,15 +173,11 @@ TEST(TemporalFilter, FillsWhatTheNewMapLacks) {
 }
 
 TEST(TemporalFilter, BelievesTheMemoryWhereTheNewMapIsUnsureAndWrong) {
-  TemporalFilter filter(Defaults());
   std::vector<TemporalInput> drive = Drive(4);
   const cv::Rect wrong(60, 60, 80, 50);
   drive[3].disparity.counts()(wrong) += 10 * DisparityImage::kCountsPerPixel;
   drive[3].confidence(wrong).setTo(60);
-  TemporalOutput output;
-  for (const TemporalInput& input : drive) output = filter.Compute(input);
-  const MovingScene last = SceneFrom(PoseAt(3));
-  EXPECT_LT(ErrorOf(output.disparity, last), 0.5);
+  EXPECT_LT(ErrorOf(LastOf(drive).disparity, SceneFrom(PoseAt(3))), 0.5);
 }
 
 // What was there before leaves no trail when the images say that it is gone.
@@ -296,47 +288,32 @@ TEST(TemporalFilter, TakesImagesOfAnySize) {
 }
 
 // Each with its cause; the result is then the new map.
-class ResetTest : public testing::Test {
- protected:
-  void Expect(const TemporalInput& next, MemoryReset reason) {
-    TemporalFilter filter(Defaults());
-    for (const TemporalInput& input : Drive(3)) filter.Compute(input);
-    const TemporalOutput output = filter.Compute(next);
+TEST(TemporalFilter, ForgetsBeforeAFrameThatDoesNotFollow) {
+  const TemporalInput follows = Drive(4)[3];
+  const auto expect = [&](MemoryReset reason, const std::function<void(TemporalInput&)>& change) {
+    SCOPED_TRACE(static_cast<int>(reason));
+    std::vector<TemporalInput> drive = Drive(3);
+    TemporalInput next = follows;
+    change(next);
+    drive.push_back(next);
+    const TemporalOutput output = LastOf(drive);
     EXPECT_EQ(output.motion.reset, reason);
     EXPECT_EQ(output.motion.resets, 1);
     EXPECT_EQ(output.motion.start_seq, next.id.seq);
     EXPECT_EQ(output.motion.start_from_left, Pose());
     EXPECT_TRUE(IsSame(output.disparity.counts(), next.disparity.counts()));
+  };
+  expect(MemoryReset::kOtherRig, [](TemporalInput& next) { next.id.rig_id = "another"; });
+  expect(MemoryReset::kOtherRig, [](TemporalInput& next) {
+    next = FrameFrom(SceneFrom(PoseAt(3), {160, 120}), 3, 0);
+  });
+  expect(MemoryReset::kBackwards, [](TemporalInput& next) { next.id.seq = 1; });
+  expect(MemoryReset::kBackwards, [](TemporalInput& next) { next.id.utime = 1; });
+  expect(MemoryReset::kGap, [](TemporalInput& next) { next.id.utime += 500'000; });
+  for (const uint8_t level : {0, 130}) {  // dark, and without texture
+    expect(MemoryReset::kFewPoints,
+           [&](TemporalInput& next) { next.left = cv::Mat1b(next.left.size(), level); });
   }
-  TemporalInput next_ = Drive(4)[3];
-};
-
-TEST_F(ResetTest, OtherRig) {
-  next_.id.rig_id = "another";
-  Expect(next_, MemoryReset::kOtherRig);
-}
-TEST_F(ResetTest, OtherSize) {
-  Expect(FrameFrom(SceneFrom(PoseAt(3), {160, 120}), 3, 0), MemoryReset::kOtherRig);
-}
-TEST_F(ResetTest, SeqGoesBack) {
-  next_.id.seq = 1;
-  Expect(next_, MemoryReset::kBackwards);
-}
-TEST_F(ResetTest, TimeGoesBack) {
-  next_.id.utime = 1;
-  Expect(next_, MemoryReset::kBackwards);
-}
-TEST_F(ResetTest, Gap) {
-  next_.id.utime += 500'000;
-  Expect(next_, MemoryReset::kGap);
-}
-TEST_F(ResetTest, DarkImage) {
-  next_.left = cv::Mat1b(next_.left.size(), uint8_t{0});
-  Expect(next_, MemoryReset::kFewPoints);
-}
-TEST_F(ResetTest, NoTexture) {
-  next_.left = cv::Mat1b(next_.left.size(), uint8_t{130});
-  Expect(next_, MemoryReset::kFewPoints);
 }
 
 TEST(TemporalFilter, BridgesLostFrames) {
@@ -371,11 +348,9 @@ TEST(TemporalFilter, RecoversFromACoveredLens) {
 
 // The light goes down by half: no reset, and no harm.
 TEST(TemporalFilter, DoesNotMindTheLight) {
-  TemporalFilter filter(Defaults());
   std::vector<TemporalInput> drive = Drive(6);
   for (size_t i = 3; i < 6; ++i) drive[i].left = cv::Mat(drive[i].left * 0.5);
-  TemporalOutput output;
-  for (const TemporalInput& input : drive) output = filter.Compute(input);
+  const TemporalOutput output = LastOf(drive);
   EXPECT_EQ(output.motion.resets, 0);
   const MovingScene scene = SceneFrom(PoseAt(5));
   EXPECT_LT(ErrorOf(output.disparity, scene), 0.8 * ErrorOf(drive[5].disparity, scene));
