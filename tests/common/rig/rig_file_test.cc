@@ -240,9 +240,7 @@ TEST_F(RigFile, NamesTheFieldThatCannotBeUsed) {
   EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.left_from_right.translation_m *= -1; }),
               AllOf(HasSubstr("left_from_right.translation_m x = -0.1"),
                     HasSubstr("the right camera stands right of the left one")));
-  EXPECT_THAT(ErrorAfter([](RawRig& rig) {
-                rig.left_from_right.translation_m = {0.001, 0.12, 0};
-              }),
+  EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.left_from_right.translation_m << 0.001, 0.12, 0; }),
               AllOf(HasSubstr("left_from_right.translation_m y = 0.12"),
                     HasSubstr("turn the images by 90 degrees")));
   EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.left_from_tof.rotation.w() = 2; }),
@@ -272,9 +270,7 @@ TEST_F(RigFile, RefusesNumbersThatNoCameraHas) {
               AllOf(HasSubstr("left.distortion"), HasSubstr("0 to 10 times")));
   EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.left_from_right.translation_m.x() = 1e308; }),
               AllOf(HasSubstr("translation_m = 1e+308"), HasSubstr("-1000 to 1000 m")));
-  EXPECT_THAT(ErrorAfter([](RawRig& rig) {
-                rig.left_from_right.translation_m = {1e-308, 0, 0};
-              }),
+  EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.left_from_right.translation_m << 1e-308, 0, 0; }),
               AllOf(HasSubstr("translation_m x = 1e-308"), HasSubstr("0.0001 m or more")));
 }
 
@@ -294,22 +290,17 @@ TEST_F(RigFile, RefusesDistortionThatFoldsTheImage) {
 
 TEST_F(RigFile, RefusesCamerasThatDoNotLookAtOneScene) {
   EXPECT_THAT(ErrorAfter([](RawRig& rig) {
-                rig.left_from_right = TurnedBy(180, {0, 1, 0});
+                rig.left_from_right = TurnedBy(180, Eigen::Vector3d::UnitY());
               }),
               AllOf(HasSubstr("angle between the cameras = 180"), HasSubstr("0 to 60 degrees")));
-  EXPECT_THAT(ErrorAfter([](RawRig& rig) {
-                rig.left_from_right.translation_m = {0.001, 0, 1};
-              }),
+  EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.left_from_right.translation_m << 0.001, 0, 1; }),
               AllOf(HasSubstr("normal to the baseline"), HasSubstr("0 to 60 degrees")));
   EXPECT_THAT(
-      ErrorAfter([](RawRig& rig) {
-        rig.left_from_right = TurnedBy(40, {1, 0, 0});
-      }),
+      ErrorAfter([](RawRig& rig) { rig.left_from_right = TurnedBy(40, Eigen::Vector3d::UnitX()); }),
       AllOf(HasSubstr("vertical overlap of the rectified views"), HasSubstr("30 to 100 %")));
-  EXPECT_THAT(ErrorAfter([](RawRig& rig) {
-                rig.left_from_right = TurnedBy(55, {0, 1, 0});
-              }),
-              AllOf(HasSubstr("what rectification keeps"), HasSubstr("10 to 100 %")));
+  EXPECT_THAT(
+      ErrorAfter([](RawRig& rig) { rig.left_from_right = TurnedBy(55, Eigen::Vector3d::UnitY()); }),
+      AllOf(HasSubstr("what rectification keeps"), HasSubstr("10 to 100 %")));
   EXPECT_THAT(ErrorAfter([](RawRig& rig) { rig.right.fx = rig.right.fy = 9000; }),
               AllOf(HasSubstr("what rectification keeps"), HasSubstr("10 to 100 %")));
 }

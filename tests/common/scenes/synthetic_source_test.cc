@@ -45,14 +45,19 @@ TEST(SyntheticDataset, GivesTheSameBytesForTheSameIndexAndSeed) {
   EXPECT_TRUE(SameBytes(first, Open("161x120")->Get(7)));
 }
 
-TEST(SyntheticDataset, DoesNotDependOnTheNumberOfThreads) {
+// A frame as one thread makes it, and two.
+std::pair<DatasetFrame, DatasetFrame> AloneAndTogether(Dataset& source) {
   const int threads = cv::getNumThreads();
-  const auto source = Open("320x240");
   cv::setNumThreads(1);
-  const DatasetFrame alone = source->Get(11);
+  DatasetFrame alone = source.Get(11);
   cv::setNumThreads(2);
-  const DatasetFrame together = source->Get(11);
+  DatasetFrame together = source.Get(11);
   cv::setNumThreads(threads);
+  return {std::move(alone), std::move(together)};
+}
+
+TEST(SyntheticDataset, DoesNotDependOnTheNumberOfThreads) {
+  const auto [alone, together] = AloneAndTogether(*Open("320x240"));
   EXPECT_TRUE(SameBytes(alone, together));
 }
 
@@ -83,13 +88,7 @@ TEST(SyntheticDataset, ShowsTheSceneToAnSr4000InItsOwnPlace) {
 }
 
 TEST(SyntheticDataset, GivesTheSameSr4000BytesWithAnyNumberOfThreads) {
-  const int threads = cv::getNumThreads();
-  const auto source = Open("160x120?tof=sr4000");
-  cv::setNumThreads(1);
-  const DatasetFrame alone = source->Get(11);
-  cv::setNumThreads(2);
-  const DatasetFrame together = source->Get(11);
-  cv::setNumThreads(threads);
+  const auto [alone, together] = AloneAndTogether(*Open("160x120?tof=sr4000"));
   EXPECT_TRUE(SameBytes(alone, together));
   EXPECT_TRUE(SameBytes(alone.tof.amplitude, together.tof.amplitude));
   EXPECT_FALSE(SameBytes(alone.tof.depth_m, Open("160x120?tof=sr4000", 2)->Get(11).tof.depth_m));
