@@ -69,6 +69,18 @@ void CheckPair(Checks& checks, const RawRig& rig) {
 
 }  // namespace
 
+TofCamera TofCameraOf(const Lens& lens, const Pose& left_from_tof) {
+  return {.width = lens.width,
+          .height = lens.height,
+          .fx = lens.fx,
+          .fy = lens.fy,
+          .cx = lens.cx,
+          .cy = lens.cy,
+          .distortion = lens.distortion,
+          .left_from_tof_rotation = left_from_tof.rotation,
+          .left_from_tof_translation_m = left_from_tof.translation_m};
+}
+
 Pose TurnedBy(const Pose& pose, const Eigen::Vector3d& turn) {
   if (turn.isZero(0)) return pose;
   const Eigen::Quaterniond by(Eigen::AngleAxisd(turn.norm(), turn.normalized()));

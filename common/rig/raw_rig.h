@@ -32,6 +32,9 @@ struct RawRig {
   }
 };
 
+/// A ToF camera with this lens and this pose in the left rectified frame.
+TofCamera TofCameraOf(const Lens& lens, const Pose& left_from_tof);
+
 /// A camera rotated about its own place: rotation = exp(turn) · rotation. Nothing changes, to the
 /// bit, when the turn is 0.
 /// @param turn  rotation vector, rad, in the frame that the pose is given in.

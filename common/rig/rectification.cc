@@ -107,16 +107,11 @@ Rig RectifiedRig(const RawRig& raw, const Rectification& rectification) {
   Rig rig{.pair = rectification.pair, .tof = {}};
   if (raw.tof.width == 0) return rig;
   const Eigen::Matrix3d turn = BackOf(rectification.left_turn).transpose();
-  rig.tof = {.width = raw.tof.width,
-             .height = raw.tof.height,
-             .fx = raw.tof.fx,
-             .fy = raw.tof.fy,
-             .cx = raw.tof.cx,
-             .cy = raw.tof.cy,
-             .distortion = raw.tof.distortion};
-  rig.tof.left_from_tof_rotation =
-      Eigen::Quaterniond(turn * raw.left_from_tof.rotation.toRotationMatrix()).normalized();
-  rig.tof.left_from_tof_translation_m = turn * raw.left_from_tof.translation_m;
+  rig.tof = TofCameraOf(
+      raw.tof,
+      {.rotation =
+           Eigen::Quaterniond(turn * raw.left_from_tof.rotation.toRotationMatrix()).normalized(),
+       .translation_m = turn * raw.left_from_tof.translation_m});
   return rig;
 }
 

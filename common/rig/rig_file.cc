@@ -181,18 +181,7 @@ TofCamera TofCameraOf(const RigDescription& description, const fs::path& path) {
                       "1, range_offset_m: 0, no range_correction, no amplitude_correction");
   }
   const Lens lens = CheckedLens("calibration.tof", calibration.tof());
-  const Pose pose = CheckedPose("calibration.left_from_tof", calibration.left_from_tof());
-  TofCamera tof;
-  tof.width = lens.width;
-  tof.height = lens.height;
-  tof.fx = lens.fx;
-  tof.fy = lens.fy;
-  tof.cx = lens.cx;
-  tof.cy = lens.cy;
-  tof.distortion = lens.distortion;
-  tof.left_from_tof_rotation = pose.rotation;
-  tof.left_from_tof_translation_m = pose.translation_m;
-  return tof;
+  return TofCameraOf(lens, CheckedPose("calibration.left_from_tof", calibration.left_from_tof()));
 }
 
 std::optional<RawRig> BoardCalibrationOf(const RigDescription& description) {

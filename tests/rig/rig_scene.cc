@@ -13,19 +13,6 @@ constexpr int kRaysPerSide = 2;
 constexpr double kNoise = 2;            // grey levels
 constexpr double kNearestFloorM = 1.6;  // depth of the floor at the bottom of the image
 
-TofCamera TofCameraOf(const RawRig& rig) {
-  TofCamera camera{.width = rig.tof.width,
-                   .height = rig.tof.height,
-                   .fx = rig.tof.fx,
-                   .fy = rig.tof.fy,
-                   .cx = rig.tof.cx,
-                   .cy = rig.tof.cy,
-                   .distortion = rig.tof.distortion};
-  camera.left_from_tof_rotation = rig.left_from_tof.rotation;
-  camera.left_from_tof_translation_m = rig.left_from_tof.translation_m;
-  return camera;
-}
-
 scenes::LensView ViewOf(const Lens& lens, const Pose& pose, int rays_per_side) {
   return {lens, pose.rotation, pose.translation_m, rays_per_side};
 }
@@ -48,7 +35,7 @@ RigScene::RigScene(const RawRig& rig, uint32_t seed)
       left_(ViewOf(rig.left, {}, kRaysPerSide)),
       right_(ViewOf(rig.right, rig.left_from_right, kRaysPerSide)),
       tof_(ViewOf(rig.tof, rig.left_from_tof, scenes::TofSamples::kPerSide)),
-      sr4000_(TofCameraOf(rig), Sr4000Config(), seed),
+      sr4000_(TofCameraOf(rig.tof, rig.left_from_tof), Sr4000Config(), seed),
       range_per_depth_(RangePerDepth(rig.tof)) {}
 
 cv::Mat RigScene::RenderImage(const scenes::LensView& view,

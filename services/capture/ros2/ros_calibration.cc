@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/core/printable.h"
+#include "common/rig/raw_rig.h"
 #include "common/scenes/tof_grid.h"
 
 namespace sprout::capture {
@@ -215,15 +216,7 @@ Result<TofCamera> RosCalibration::DepthCamera(const RectifiedPair& pair) const {
     pose.translation_m = turn * left_from_depth.translation_m;
     if (is_rectified) pose.rotation = pose.rotation * TurnOf(camera).conjugate();
   }
-  return TofCamera{.width = lens.width,
-                   .height = lens.height,
-                   .fx = lens.fx,
-                   .fy = lens.fy,
-                   .cx = lens.cx,
-                   .cy = lens.cy,
-                   .distortion = lens.distortion,
-                   .left_from_tof_rotation = pose.rotation,
-                   .left_from_tof_translation_m = pose.translation_m};
+  return TofCameraOf(lens, pose);
 }
 
 Result<RosRig> RosCalibration::Rig() const {

@@ -54,18 +54,9 @@ RigImages RenderSolids(const RawRig& rig, const std::vector<scenes::Solid>& soli
   images.left = RenderCamera(rig.left, {}, solids, rig.left.fx, noise);
   images.right = RenderCamera(rig.right, rig.left_from_right, solids, rig.left.fx, noise + 1);
   if (!with_tof) return images;
-  const TofCamera camera{.width = rig.tof.width,
-                         .height = rig.tof.height,
-                         .fx = rig.tof.fx,
-                         .fy = rig.tof.fy,
-                         .cx = rig.tof.cx,
-                         .cy = rig.tof.cy,
-                         .distortion = rig.tof.distortion,
-                         .left_from_tof_rotation = rig.left_from_tof.rotation,
-                         .left_from_tof_translation_m = rig.left_from_tof.translation_m};
   const scenes::LensView view(rig.tof, rig.left_from_tof.rotation, rig.left_from_tof.translation_m,
                               scenes::TofSamples::kPerSide);
-  images.tof = scenes::Sr4000(camera, Sr4000Config(), seed)
+  images.tof = scenes::Sr4000(TofCameraOf(rig.tof, rig.left_from_tof), Sr4000Config(), seed)
                    .Measure(scenes::RenderTof(view, solids, rig.left.fx), 0)
                    .tof;
   return images;
