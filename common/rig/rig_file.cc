@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "common/config/config.h"
+#include "common/config/required.h"
 #include "common/core/number_text.h"
 #include "common/core/output_file.h"
 #include "common/core/printable.h"
@@ -92,9 +93,7 @@ RawRig CheckedRig(const std::string& field, const RigCalibration& calibration) {
   }
   const auto& light = calibration.amplitude_correction();
   rig.amplitude_correction = {light.offset_m(), light.sigma_m(), light.middle()};
-  if (const Result<void> checked = CheckRawRig(rig); !checked) {
-    throw ConfigError(field + checked.error().text);
-  }
+  Required(CheckRawRig(rig), field);
   return rig;
 }
 

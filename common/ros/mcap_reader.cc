@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "common/config/required.h"
 #include "common/core/number_text.h"
 #include "common/core/read_text.h"
 
@@ -38,11 +39,10 @@ fs::path PartThere(const fs::path& part) {
 }
 
 std::vector<fs::path> PartsOfMetadata(const fs::path& folder, const fs::path& metadata) {
-  const Result<std::string> text = ReadText(metadata, kMaxListBytes);
-  if (!text) throw ConfigError(metadata.string() + ": " + text.error().text);
+  const std::string text = Required(ReadText(metadata, kMaxListBytes), metadata.string() + ": ");
   std::vector<fs::path> parts;
   try {
-    const YAML::Node bag = YAML::Load(*text)["rosbag2_bagfile_information"];
+    const YAML::Node bag = YAML::Load(text)["rosbag2_bagfile_information"];
     for (const YAML::Node& file : bag["relative_file_paths"]) {
       // Old ones have the folder's name in front.
       const fs::path part = folder / fs::path(file.as<std::string>()).filename();

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <vector>
 
-#include "common/config/config_error.h"
+#include "common/config/required.h"
 #include "common/core/input_files.h"
 #include "common/core/number_text.h"
 #include "common/core/read_text.h"
@@ -132,14 +132,13 @@ RectifiedPair CalibrationFromCalib(const std::filesystem::path& calib_file, cv::
 }
 
 PairCalibration OpenCalibFile(const std::filesystem::path& path) {
-  const Result<std::string> text = ReadText(path);
-  if (!text) throw ConfigError("calibration " + path.string() + ": " + text.error().text);
+  const std::string text = Required(ReadText(path), "calibration " + path.string() + ": ");
   // There may be blanks around '='.
   if (const CalibrationLines calib = MiddleburyLines(path); calib.Has("cam0")) {
     return [calib, pair = PairOf(calib)](cv::Size size, bool) { return Sized(pair, calib, size); };
   }
-  if (text->find("P0:") != std::string::npos || text->find("P2:") != std::string::npos ||
-      text->find("P_rect_0") != std::string::npos) {
+  if (text.find("P0:") != std::string::npos || text.find("P2:") != std::string::npos ||
+      text.find("P_rect_0") != std::string::npos) {
     return OpenKittiPairs(path);
   }
   throw ConfigError("calibration " + path.string() +

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "common/config/config_error.h"
+#include "common/config/required.h"
 #include "common/core/depth_of_counts.h"
 #include "common/core/image.h"
 #include "common/core/input_files.h"
@@ -62,9 +62,7 @@ bool IsFile(const std::filesystem::path& path) {
 }
 
 cv::Mat ReadImage(const std::filesystem::path& path, int flags) {
-  Result<cv::Mat> image = DecodeImageFile(path, flags, kPictureFormats);
-  if (!image) throw ConfigError(image.error().text);
-  return *image;
+  return Required(DecodeImageFile(path, flags, kPictureFormats));
 }
 
 void RequireSize(const std::filesystem::path& path, cv::Size size, cv::Size expected) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/app/output_paths.h"
+#include "common/config/required.h"
 #include "common/core/checks.h"
 #include "common/core/digest.h"
 #include "common/core/result.h"
@@ -102,9 +103,7 @@ RigKeeper::RigKeeper(const SelfCalibrateConfig& config, std::shared_ptr<CurrentR
   }
   const std::filesystem::path first = FileOf(current_->Get()->rig_id);
   RequireWritableFolder("self_calibrate.folder", config_.folder(), {first.filename().c_str()});
-  if (const Result<void> saved = SaveRigFile(first, current_->file()); !saved) {
-    throw ConfigError("self_calibrate.folder: " + saved.error().text);
-  }
+  Required(SaveRigFile(first, current_->file()), "self_calibrate.folder: ");
 }
 
 RigKeeper::Outcome RigKeeper::Consider(const RigChange& change, Clock::time_point now) {

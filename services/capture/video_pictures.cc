@@ -9,7 +9,7 @@
 #include <span>
 #include <utility>
 
-#include "common/config/config_error.h"
+#include "common/config/required.h"
 #include "common/core/image.h"
 #include "common/core/input_files.h"
 #include "common/core/number_text.h"
@@ -32,11 +32,7 @@ class ListedPictures : public Pictures {
     return true;
   }
 
-  CameraImage Retrieve() override {
-    Result<CameraImage> image = ReadCameraImage(files_[taken_ - 1]);
-    if (!image) throw ConfigError(image.error().text);
-    return *std::move(image);
-  }
+  CameraImage Retrieve() override { return Required(ReadCameraImage(files_[taken_ - 1])); }
 
  private:
   std::vector<std::string> files_;

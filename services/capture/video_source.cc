@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "common/app/stage_monitor.h"
-#include "common/config/config_error.h"
+#include "common/config/required.h"
 #include "common/core/image.h"
 #include "common/core/number_text.h"
 #include "common/core/pair_names.h"
@@ -219,21 +219,20 @@ class VideoSource : public RawSource {
   void OpenLists(const std::string& left, const std::string& right) {
     const std::vector<std::string> lefts = ImageList(left);
     const std::vector<std::string> rights = ImageList(right);
-    const Result<PairedNames> paired = PairNames(lefts, rights);
-    if (!paired)
-      throw ConfigError("image lists " + left + " and " + right + ": " + paired.error().text);
+    const PairedNames paired =
+        Required(PairNames(lefts, rights), "image lists " + left + " and " + right + ": ");
     std::vector<std::string> first;
     std::vector<std::string> second;
-    for (const auto& pair : paired->pairs) {
+    for (const auto& pair : paired.pairs) {
       first.push_back(lefts[pair.first]);
       second.push_back(rights[pair.second]);
     }
     videos_.push_back(OpenImages(std::move(first)));
     videos_.push_back(OpenImages(std::move(second)));
-    lost_ = std::ssize(paired->alone_first) + std::ssize(paired->alone_second);
+    lost_ = std::ssize(paired.alone_first) + std::ssize(paired.alone_second);
     if (lost_ == 0) return;
-    trouble_ = (paired->alone_first.empty() ? rights[paired->alone_second.front()]
-                                            : lefts[paired->alone_first.front()]) +
+    trouble_ = (paired.alone_first.empty() ? rights[paired.alone_second.front()]
+                                           : lefts[paired.alone_first.front()]) +
                ": has no partner";
     if (lost_ == 2) trouble_ += ", nor has one other";
     if (lost_ > 2) trouble_ += fmt::format(", nor have {} others", lost_ - 1);

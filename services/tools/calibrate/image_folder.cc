@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "common/config/config_error.h"
+#include "common/config/required.h"
 #include "common/core/image.h"
 #include "common/core/output_file.h"
 #include "common/core/pair_names.h"
@@ -48,30 +48,17 @@ fs::path FileOf(const std::vector<fs::path>& files, const std::string& stem) {
   return found == files.end() ? fs::path() : *found;
 }
 
-CameraImage Read(const fs::path& file) {
-  Result<CameraImage> image = ReadCameraImage(file);
-  if (!image) throw ConfigError(image.error().text);
-  return *std::move(image);
-}
-
 // Reads amplitudes, which may have any unit.
 cv::Mat1f ReadAmplitude(const fs::path& file) {
-  const Result<cv::Mat> image = DecodeImageFile(file, cv::IMREAD_UNCHANGED, kCameraFormats);
-  if (!image) throw ConfigError(image.error().text);
-  const int type = image->type();
+  const cv::Mat image = Required(DecodeImageFile(file, cv::IMREAD_UNCHANGED, kCameraFormats));
+  const int type = image.type();
   if (type != CV_8UC1 && type != CV_16UC1 && type != CV_32FC1) {
     throw ConfigError(file.string() +
                       ": allowed is one channel of 8 or 16 bits or of 32-bit floating point");
   }
   cv::Mat1f amplitude;
-  image->convertTo(amplitude, CV_32F);
+  image.convertTo(amplitude, CV_32F);
   return amplitude;
-}
-
-cv::Mat1f ReadDepth(const fs::path& file) {
-  Result<cv::Mat1f> depth_m = scenes::ReadRangeFile(file);
-  if (!depth_m) throw ConfigError(depth_m.error().text);
-  return *depth_m;
 }
 
 TofImage ReadTof(const std::vector<fs::path>& files, const std::string& name) {
@@ -83,7 +70,8 @@ TofImage ReadTof(const std::vector<fs::path>& files, const std::string& name) {
     throw ConfigError((amplitude.empty() ? depth : amplitude).string() + ": there is no " +
                       (amplitude.empty() ? "tof_amplitude" : "tof_depth") + tof_name);
   }
-  TofImage tof{.depth_m = ReadDepth(depth), .amplitude = ReadAmplitude(amplitude)};
+  TofImage tof{.depth_m = Required(scenes::ReadRangeFile(depth)),
+               .amplitude = ReadAmplitude(amplitude)};
   if (tof.depth_m.size() != tof.amplitude.size()) {
     throw ConfigError(depth.string() + ": is not of the size of " + amplitude.string());
   }
@@ -128,13 +116,12 @@ std::vector<std::string> ReadImageFolder(const std::filesystem::path& folder, in
         folder.string() +
         ": no left_NAME.png with a right_NAME.png in it, nor left1.png with right1.png");
   }
-  const Result<PairedNames> paired = PairNames(lefts, rights);
-  if (!paired) throw ConfigError(folder.string() + ": " + paired.error().text);
-  std::vector<std::string> notes = NotesOf(folder, *paired, lefts, rights);
+  const PairedNames paired = Required(PairNames(lefts, rights), folder.string() + ": ");
+  std::vector<std::string> notes = NotesOf(folder, paired, lefts, rights);
   EightBits eight_bits(bits);
-  for (const auto& [first, second] : paired->pairs) {
-    CameraImage left = Read(lefts[first]);
-    CameraImage right = Read(rights[second]);
+  for (const auto& [first, second] : paired.pairs) {
+    CameraImage left = Required(ReadCameraImage(lefts[first]));
+    CameraImage right = Required(ReadCameraImage(rights[second]));
     eight_bits.Convert({&left, &right});
     if (std::string note = eight_bits.TakeNote(); !note.empty()) {
       notes.push_back(lefts[first] + ": " + note);

@@ -16,6 +16,7 @@
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
 #include "common/config/config.h"
+#include "common/config/required.h"
 #include "common/core/number_text.h"
 #include "common/picture/eight_bits.h"
 #include "common/rig/rig_file.h"
@@ -82,12 +83,6 @@ void AddBits(Flags& flags, int& bits) {
            "Bits that pixels of 16 bits in a folder use: 8 to 16; 0: as the format or the first "
            "pair says")
       .WithinWhole(0, kMaxBits);
-}
-
-void RequireBits(int bits) {
-  if (const Result<void> usable = CheckBits(bits); !usable) {
-    throw ConfigError("--bits " + usable.error().text);
-  }
 }
 
 void AddBoardFlags(Flags& flags, BoardOptions& board) {
@@ -201,7 +196,7 @@ std::runtime_error NoCalibration(const std::string& why, const ViewCollector& co
 }
 
 int RunEstimate(const Options& options) {
-  RequireBits(options.bits);
+  Required(CheckBits(options.bits), "--bits ");
   const Board board = BoardOf(options.board);
   RequireResultFiles(options.inputs, options.rig, options.out, options.report);
   RigDescription rig;
@@ -295,7 +290,7 @@ void AddCheck(Flags& program, Options& options) {
       "refine, but\nwrites nothing. Exit code 0 good, 1 calibrate again, or the scene shows too "
       "little to tell",
       [&options] {
-        RequireBits(options.check.bits);
+        Required(CheckBits(options.check.bits), "--bits ");
         return RunCheck(options.check);
       });
   AddScenes(flags, options.check);
@@ -308,7 +303,7 @@ void AddRefine(Flags& program, Options& options) {
       "the right camera\nand of the ToF camera, and the offset of its ranges. What the scene does "
       "not show stays, and is said.\nExit code 0 good, 1 not good, or the scene shows too little",
       [&options] {
-        RequireBits(options.refine.bits);
+        Required(CheckBits(options.refine.bits), "--bits ");
         return RunRefine(options.refine);
       });
   AddScenes(flags, options.refine);

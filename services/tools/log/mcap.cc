@@ -15,8 +15,8 @@
 
 #include "common/app/version.h"
 #include "common/bus/channels.h"
-#include "common/config/config_error.h"
 #include "common/config/frame_range.h"
+#include "common/config/required.h"
 #include "common/core/printable.h"
 #include "common/logfile/log_reader.h"
 #include "common/messages/message_type.h"
@@ -325,8 +325,7 @@ int RunMcapExport(const PicturesOptions& options, const std::filesystem::path& o
     throw LogError(options.file, "no message of these frames that ROS knows" + exporter.Hint());
   }
   const uint64_t messages = writer.messages();
-  if (const Result<void> done = writer.Commit(); !done)
-    throw ConfigError("export: " + done.error().text);
+  Required(writer.Commit(), "export: ");
   PrintLine(fmt::format("{}: {} messages", out.string(), messages));
   return 0;
 }

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "common/config/required.h"
 #include "common/core/frame.h"
 #include "common/measure/score.h"
 #include "common/picture/frame_pictures.h"
@@ -69,9 +70,9 @@ constexpr std::array kMapNames = {"prior", "as grown", "filled"};
 
 FrameTruth TruthOf(const scenes::GroundTruth& truth, const std::string& source) {
   if (truth.left.empty()) throw ConfigError("--truth " + source + ": has no ground truth");
-  Result<cv::Mat1b> mask = NonOccludedMask(truth.left, truth.right);
-  if (!mask) throw ConfigError("--truth " + source + ": " + mask.error().text);
-  return {.disparity_px = truth.left, .non_occluded = *std::move(mask)};
+  return {.disparity_px = truth.left,
+          .non_occluded =
+              Required(NonOccludedMask(truth.left, truth.right), "--truth " + source + ": ")};
 }
 
 LogTruth::LogTruth(const std::string& source) : source_(source) {
@@ -96,9 +97,9 @@ void LogTruth::AddMap(MapSum& sum, const DisparityImage& map) {
   sum.density_percent +=
       100.0 * static_cast<double>(map.CountValid()) / static_cast<double>(map.counts().total());
   if (dataset_ == nullptr) return;
-  const Result<Accuracy> accuracy = Score(map, truth_.disparity_px, truth_.non_occluded);
-  if (!accuracy) throw ConfigError("--truth " + source_ + ": " + accuracy.error().text);
-  sum.correct_percent += accuracy->correct_le1_percent();
+  const Accuracy accuracy =
+      Required(Score(map, truth_.disparity_px, truth_.non_occluded), "--truth " + source_ + ": ");
+  sum.correct_percent += accuracy.correct_le1_percent();
 }
 
 const FrameTruth& LogTruth::Add(const Frame& frame) {

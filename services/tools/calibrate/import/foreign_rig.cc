@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-#include "common/config/config_error.h"
+#include "common/config/required.h"
 #include "common/core/printable.h"
 #include "common/core/read_text.h"
 
@@ -246,9 +246,7 @@ ForeignRig ReadForeignRig(const std::vector<fs::path>& files) {
   if (files.size() > 2) throw ConfigError("import: allowed are one file or two");
   std::vector<ForeignFile> texts;
   for (const fs::path& file : files) {
-    const Result<std::string> text = ReadText(file);
-    if (!text) throw ConfigError(file.string() + ": " + text.error().text);
-    texts.push_back({file, *text});
+    texts.push_back({file, Required(ReadText(file), file.string() + ": ")});
   }
   if (std::ranges::all_of(texts, IsOpencvFile)) return ReadOpencvRig(texts);
   return ReadYamlRig(texts);

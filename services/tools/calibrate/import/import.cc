@@ -6,7 +6,7 @@
 #include <iostream>
 #include <numbers>
 
-#include "common/config/config_error.h"
+#include "common/config/required.h"
 #include "common/core/image.h"
 #include "common/core/number_text.h"
 #include "common/rig/rectifier.h"
@@ -53,14 +53,13 @@ void FillSizes(const ImportOptions& options, ForeignRig& rig) {
 }
 
 Lens LensOf(const ForeignCamera& camera) {
-  const Result<LensFit> fit = ToLens(camera);
-  if (!fit) throw ConfigError(fit.error().text);
-  const Lens& lens = fit->lens;
+  const LensFit fit = Required(ToLens(camera));
+  const Lens& lens = fit.lens;
   std::cout << fmt::format("{}: {} px, f {:.2f}, {:.2f} px, principal point {:.2f}, {:.2f} px\n",
                            camera.name, SizeText(lens.size()), lens.fx, lens.fy, lens.cx, lens.cy);
-  if (fit->worst_px > 0) {
+  if (fit.worst_px > 0) {
     std::cout << fmt::format("  its distortion in Brown's terms; up to {:.3f} px off\n",
-                             fit->worst_px);
+                             fit.worst_px);
   }
   return lens;
 }
