@@ -39,7 +39,7 @@ struct DecodedPart {
 ///                  to many. A raw one is accepted, and the stage reports in its answer what does
 ///                  not fit.
 std::vector<uint8_t> EncodePart(const FrameId& id, Part part, const PartValue& value,
-                                DisparityEncoding encoding);
+                                DisparityEncoding encoding = DisparityEncoding::kRawInt16);
 Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes,
                                std::optional<cv::Size> expected = std::nullopt);
 

@@ -190,7 +190,7 @@ class RawLogFeed : public CaptureFeed {
 
   std::vector<uint8_t> Calibration() const override {
     const FrameId id{newest_.utime, std::max<int64_t>(newest_.seq, 0), used_->rig_id};
-    return EncodePart(id, Part::kRig, used_->rectifier.rig(), DisparityEncoding::kRawInt16);
+    return EncodePart(id, Part::kRig, used_->rectifier.rig());
   }
 
   Timing timing() const override { return Timing::kRecorded; }

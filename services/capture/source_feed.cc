@@ -111,7 +111,7 @@ class SourceFeed : public CaptureFeed {
   std::vector<uint8_t> Calibration() const override {
     if (!rig_) return {};
     const FrameId id{newest_.utime, std::max<int64_t>(newest_.seq, 0), newest_.rig_id};
-    return EncodePart(id, Part::kRig, *rig_, DisparityEncoding::kRawInt16);
+    return EncodePart(id, Part::kRig, *rig_);
   }
 
   Timing timing() const override {
@@ -156,7 +156,7 @@ class SourceFeed : public CaptureFeed {
 CaptureMessages Encoded(const FrameId& id, const scenes::CapturedFrame& frame) {
   CaptureMessages messages{.id = id, .messages = {}};
   const auto add = [&](Part part, const PartValue& value) {
-    messages.messages.emplace_back(part, EncodePart(id, part, value, DisparityEncoding::kRawInt16));
+    messages.messages.emplace_back(part, EncodePart(id, part, value));
   };
   add(Part::kLeft, frame.left);
   add(Part::kRight, frame.right);

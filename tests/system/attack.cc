@@ -208,10 +208,9 @@ class Attack {
     RequireAlive();
     if (!goes_on) throw Failure("capture sends nothing any more");
     for (const auto& [seq, id] : captured) {
-      Send(capture_publisher_, {"good answers to capture", std::string(ChannelOf(Part::kDisparity)),
-                                EncodePart(id, Part::kDisparity, DisparityImage(cv::Size(64, 48)),
-                                           DisparityEncoding::kRawInt16),
-                                false});
+      Send(capture_publisher_,
+           {"good answers to capture", std::string(ChannelOf(Part::kDisparity)),
+            EncodePart(id, Part::kDisparity, DisparityImage(cv::Size(64, 48))), false});
     }
   }
 

@@ -86,8 +86,7 @@ inline void WriteStraddlingLog(const std::filesystem::path& path, const std::str
   };
   const auto write = [&](Part part, int64_t i, const PartValue& value) {
     const FrameId id{.utime = 1'700'000'000'000'000 + 100'000 * i, .seq = i, .rig_id = rig_id};
-    writer.Write(time(), ChannelOf(part),
-                 EncodePart(id, part, value, DisparityEncoding::kRawInt16));
+    writer.Write(time(), ChannelOf(part), EncodePart(id, part, value));
   };
   std::vector<scenes::DatasetFrame> late;
   for (int64_t i = 0; i < frames + 2; ++i) {

@@ -65,7 +65,7 @@ void Graph::Publish(std::string_view channel, std::span<const uint8_t> bytes) {
 }
 
 void Graph::PublishPart(const FrameId& id, Part part, const PartValue& value) {
-  Publish(ChannelOf(part), EncodePart(id, part, value, DisparityEncoding::kRawInt16));
+  Publish(ChannelOf(part), EncodePart(id, part, value));
 }
 
 }  // namespace sprout

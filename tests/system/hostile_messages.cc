@@ -277,7 +277,7 @@ PartValue HostileMessages::Odd(Part part, cv::Size size) {
 
 HostileMessage HostileMessages::Corrupted(Part part) {
   const std::vector<check::Corruption> ways = check::CorruptionsOf(part);
-  const Bytes bytes = EncodePart(RandomId(), part, values_.at(part), DisparityEncoding::kRawInt16);
+  const Bytes bytes = EncodePart(RandomId(), part, values_.at(part));
   return {"spoiled field by field", std::string(ChannelOf(part)),
           ways[Below(ways.size())].apply(bytes), true};
 }

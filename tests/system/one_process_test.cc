@@ -71,7 +71,7 @@ TEST(OneProcessSystem, FusesFramesToTheBytesOfSproutTemporal) {
                                                 {Part::kRight, frame.right},
                                                 {Part::kTof, frame.tof}};
     for (const auto& [part, value] : parts) {
-      const auto bytes = EncodePart(id, part, value, DisparityEncoding::kRawInt16);
+      const auto bytes = EncodePart(id, part, value);
       graph.Publish(ChannelOf(part), bytes);
       writer.Write(id.utime, ChannelOf(part), bytes);
     }
@@ -80,8 +80,7 @@ TEST(OneProcessSystem, FusesFramesToTheBytesOfSproutTemporal) {
         if (!g.parts.contains({part, seq})) return false;
       }
       for (const Part part : kFusedParts) {
-        live[part].push_back(
-            EncodePart(id, part, g.parts.at({part, seq}), DisparityEncoding::kRawInt16));
+        live[part].push_back(EncodePart(id, part, g.parts.at({part, seq})));
       }
       return true;
     })) << seq;

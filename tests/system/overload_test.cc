@@ -29,7 +29,7 @@ class SleepingStage {
         thread_([=, this](const std::stop_token& stop) {
           while (const auto id = newest_.Take(stop)) {
             std::this_thread::sleep_for(time);
-            const auto bytes = EncodePart(*id, output, answer, DisparityEncoding::kRawInt16);
+            const auto bytes = EncodePart(*id, output, answer);
             if (publisher_.Publish(ChannelOf(output), bytes)) ++answered_;
           }
         }) {}

@@ -154,8 +154,7 @@ void WriteLongLog(const std::filesystem::path& path, int frames) {
   for (int64_t seq = 0; seq < frames; ++seq) {
     const FrameId id{.utime = 1000 * seq, .seq = seq, .rig_id = RigId(source->rig())};
     const auto write = [&](Part part, const PartValue& value) {
-      writer.Write(id.utime, ChannelOf(part),
-                   EncodePart(id, part, value, DisparityEncoding::kRawInt16));
+      writer.Write(id.utime, ChannelOf(part), EncodePart(id, part, value));
     };
     write(Part::kLeft, captured.left);
     write(Part::kRight, captured.right);

@@ -148,8 +148,7 @@ TEST_F(RigProgramsSystem, WatchSurvivesAHostileSenderAndStillKeepsViews) {
   for (int64_t seq = 0; seq < 30 && !has_view(); ++seq) {
     const FrameId id{.utime = NowUtime(), .seq = 1'000'000 + seq, .rig_id = ""};
     const auto send = [&](Part part, const PartValue& value) {
-      EXPECT_TRUE(publisher.Publish(ChannelOf(part),
-                                    EncodePart(id, part, value, DisparityEncoding::kRawInt16)));
+      EXPECT_TRUE(publisher.Publish(ChannelOf(part), EncodePart(id, part, value)));
     };
     send(Part::kLeft, images.left);
     send(Part::kRight, images.right);

@@ -28,8 +28,6 @@ using calibrate::RigNumbers;
 using testing::HasSubstr;
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr auto kRaw = DisparityEncoding::kRawInt16;
-
 // A rig, what its calibration says after a knock, and what its cameras see.
 struct KnockedRig {
   RawRig real = calibrate::TrueRig({480, 360});
@@ -65,7 +63,7 @@ void WriteRawLog(const fs::path& path, int frames) {
         {Part::kLeft, view.left}, {Part::kRight, view.right}, {Part::kTof, view.tof}};
     for (const auto& [part, value] : parts) {
       writer.Write(id.utime, std::string(kRawPrefix) + std::string(ChannelOf(part)),
-                   EncodePart(id, part, value, kRaw));
+                   EncodePart(id, part, value));
     }
   }
   writer.Close();

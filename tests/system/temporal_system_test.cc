@@ -13,7 +13,6 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr auto kRaw = DisparityEncoding::kRawInt16;
 constexpr Part kAnswers[] = {Part::kFused, Part::kFusedConfidence, Part::kMotion};
 
 // What temporal joins, of a simulated scene: its truth in place of grow's answers.
@@ -48,7 +47,7 @@ TEST(TemporalSystem, ReplayGivesTheBytesOfTheLiveRun) {
     return graph.WaitUntil([&, seq = id.seq](Graph& g) {
       for (const Part part : kAnswers) {
         if (g.part_counts[{part, seq}] < times) return false;
-        live[{part, seq}] = EncodePart(frame.first, part, g.parts.at({part, seq}), kRaw);
+        live[{part, seq}] = EncodePart(frame.first, part, g.parts.at({part, seq}));
       }
       return g.part_counts[{Part::kDepth, seq}] > 0;
     });
@@ -68,7 +67,7 @@ TEST(TemporalSystem, ReplayGivesTheBytesOfTheLiveRun) {
   LogWriter writer(folder / "in.lcm");
   for (const auto& [id, parts] : frames) {
     for (const auto& [part, value] : parts) {
-      writer.Write(id.utime, ChannelOf(part), EncodePart(id, part, value, kRaw));
+      writer.Write(id.utime, ChannelOf(part), EncodePart(id, part, value));
     }
   }
   writer.Close();

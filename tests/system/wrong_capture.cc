@@ -52,7 +52,7 @@ class WrongCapture {
   }
 
   void Publish(const FrameId& id, Part part, const PartValue& value) {
-    const auto bytes = EncodePart(id, part, value, DisparityEncoding::kRawInt16);
+    const auto bytes = EncodePart(id, part, value);
     if (!publisher_.Publish(ChannelOf(part), bytes)) std::abort();
   }
 

@@ -101,18 +101,15 @@ class WrongPrior {
     if (Has("changes_seq")) id.seq += 1000;
     if (Has("changes_utime")) id.utime += 1;
     if (Has("changes_rig_id")) id.rig_id += "x";
-    std::vector<uint8_t> bytes =
-        EncodePart(id, Part::kPrior, EvenPrior(Map(set), 1), DisparityEncoding::kRawInt16);
+    std::vector<uint8_t> bytes = EncodePart(id, Part::kPrior, EvenPrior(Map(set), 1));
     if (fault_.ends_with("confidence") || fault_.ends_with("confidences")) {
       const cv::Mat1b confidence(Has("small_confidence") ? size_ / 2 : size_, uchar{9});
       for (int i = 0; i < (Has("two_confidences") ? 2 : 1); ++i) {
-        Publish(Part::kConfidence, EncodePart(id, Part::kConfidence, cv::Mat(confidence),
-                                              DisparityEncoding::kRawInt16));
+        Publish(Part::kConfidence, EncodePart(id, Part::kConfidence, cv::Mat(confidence)));
       }
-      return Publish(Part::kDisparity,
-                     EncodePart(id, Part::kDisparity, Map(set), DisparityEncoding::kRawInt16));
+      return Publish(Part::kDisparity, EncodePart(id, Part::kDisparity, Map(set)));
     }
-    if (Has("other_type")) bytes = EncodePart(id, Part::kSeeds, set, DisparityEncoding::kRawInt16);
+    if (Has("other_type")) bytes = EncodePart(id, Part::kSeeds, set);
     Publish(Has("other_channel") ? Part::kDisparity : Part::kPrior, bytes);
     if (Has("answers_twice")) Publish(Part::kPrior, bytes);
     if (Has("ends_early") && count_ == 30) std::_Exit(0);

@@ -72,8 +72,7 @@ void Conversation::SendBad(const TestFrame& frame, Part part, const Corruption& 
   Sent& sent = Begin(frame, Look::kIfAnswered);
   sent.bad = true;
   sent.name = fmt::format("{}, {}", ChannelOf(part), corruption.name);
-  SendPart(part, corruption.apply(EncodePart(sent.id, part, frame.parts.at(part),
-                                             DisparityEncoding::kRawInt16)));
+  SendPart(part, corruption.apply(EncodePart(sent.id, part, frame.parts.at(part))));
 }
 
 void Conversation::Listen(milliseconds time) {

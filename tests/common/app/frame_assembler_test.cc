@@ -16,12 +16,12 @@ using ::testing::SizeIs;
 
 std::vector<uint8_t> Image(int64_t seq, int grey) {
   return EncodePart({.utime = seq, .seq = seq, .rig_id = "rig"}, Part::kLeft,
-                    cv::Mat(2, 3, CV_8UC1, cv::Scalar(grey)), DisparityEncoding::kRawInt16);
+                    cv::Mat(2, 3, CV_8UC1, cv::Scalar(grey)));
 }
 
 std::vector<uint8_t> Seeds(int64_t seq) {
   return EncodePart({.utime = seq, .seq = seq, .rig_id = "rig"}, Part::kSeeds,
-                    SeedSet{.seeds = {{3, 2, 1}}, .raw = 1}, DisparityEncoding::kRawInt16);
+                    SeedSet{.seeds = {{3, 2, 1}}, .raw = 1});
 }
 
 class FrameAssemblerTest : public ::testing::Test {

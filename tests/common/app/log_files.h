@@ -44,8 +44,7 @@ inline FrameId TestId(int64_t seq) {
 /// A part of frame `seq`, recorded `delay` µs after its capture, on a channel of its own.
 inline TestEvent EventOf(int64_t seq, Part part, const PartValue& value, int64_t delay,
                          const std::string& channel) {
-  return {TestId(seq).utime + delay, channel,
-          EncodePart(TestId(seq), part, value, DisparityEncoding::kRawInt16)};
+  return {TestId(seq).utime + delay, channel, EncodePart(TestId(seq), part, value)};
 }
 
 /// LEFT of frame `seq`; every grey value is `grey`.

@@ -111,7 +111,7 @@ TEST(CloudMessage, MayHavePointsBehindTheOriginOnlyInTheRobotsFrame) {
   cloud.points[0].position_m.z = -2;
   EXPECT_EQ(RoundTrip(Part::kBaseCloud, cloud), cloud);
   for (const Part part : {Part::kCloud, Part::kTargetCloud}) {
-    const auto bytes = EncodePart(examples::Id(), part, cloud, DisparityEncoding::kRawInt16);
+    const auto bytes = EncodePart(examples::Id(), part, cloud);
     EXPECT_THAT(DecodePart(part, bytes).error().text, HasSubstr("point 0 at"));
   }
 }

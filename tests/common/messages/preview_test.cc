@@ -46,8 +46,8 @@ TEST(PreviewMessage, OfTheSamePictureHasTheSameBytes) {
 
 TEST(PreviewMessage, IsKnownByItsFingerprint) {
   EXPECT_TRUE(IsPreview(EncodePreview({}, TwoColours())));
-  EXPECT_FALSE(IsPreview(EncodePart({.utime = 1, .seq = 0, .rig_id = ""}, Part::kLeft,
-                                    cv::Mat(TwoColours()), DisparityEncoding::kRawInt16)));
+  EXPECT_FALSE(IsPreview(
+      EncodePart({.utime = 1, .seq = 0, .rig_id = ""}, Part::kLeft, cv::Mat(TwoColours()))));
   EXPECT_FALSE(IsPreview({}));
   EXPECT_EQ(TypeOf(EncodePreview({}, TwoColours())), std::nullopt) << "it carries no part";
 }

@@ -32,8 +32,7 @@ class AnswersTest : public ::testing::Test {
 
   void SendDisparity(const FrameId& id) {
     server_.Send("SPROUT_DISPARITY",
-                 Text(EncodePart(id, Part::kDisparity, DisparityImage(cv::Size(4, 3)),
-                                 DisparityEncoding::kRawInt16)));
+                 Text(EncodePart(id, Part::kDisparity, DisparityImage(cv::Size(4, 3)))));
   }
 
   void SendStatus(const std::string& stage, StageStatus::State state = StageStatus::State::kReady) {
@@ -80,8 +79,7 @@ TEST_F(AnswersTest, TakesABadMessageForNoAnswer) {
   const FrameId next{.utime = 2000, .seq = 8, .rig_id = "rig"};
   answers_->Expect(frame);
   answers_->Expect(next);
-  auto cut = EncodePart(frame, Part::kDisparity, DisparityImage(cv::Size(4, 3)),
-                        DisparityEncoding::kRawInt16);
+  auto cut = EncodePart(frame, Part::kDisparity, DisparityImage(cv::Size(4, 3)));
   cut.pop_back();
   server_.Send("SPROUT_DISPARITY", Text(cut));
   SendDisparity(next);

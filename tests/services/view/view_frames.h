@@ -16,7 +16,7 @@ inline const cv::Size kViewSize{64, 48};
 inline FrameId ViewId(int64_t seq) { return {1'000'000 + 100'000 * seq, seq, "rig"}; }
 
 inline std::vector<uint8_t> Encoded(int64_t seq, Part part, const PartValue& value) {
-  return EncodePart(ViewId(seq), part, value, DisparityEncoding::kRawInt16);
+  return EncodePart(ViewId(seq), part, value);
 }
 
 inline Rig ViewRig() { return {CentredPair(kViewSize.width, kViewSize.height, 50), {}}; }

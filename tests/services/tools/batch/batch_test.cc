@@ -38,7 +38,7 @@ TEST(Tables, AreReadAsTheyWereWritten) {
 std::unique_ptr<FrameLookup> Answers(const std::filesystem::path& log, const DisparityImage& map) {
   LogWriter writer(log);
   writer.Write(1, ChannelOf(Part::kDisparity),
-               EncodePart(log::LogFrameId(7), Part::kDisparity, map, DisparityEncoding::kRawInt16));
+               EncodePart(log::LogFrameId(7), Part::kDisparity, map));
   writer.Close();
   auto lookup = std::make_unique<FrameLookup>("");
   lookup->Add(log);

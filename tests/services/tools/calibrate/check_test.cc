@@ -39,7 +39,7 @@ class CalibrateCheck : public testing::Test {
       const auto add = [&](Part part, const PartValue& value) {
         events.push_back({.utime = id.utime,
                           .channel = std::string(ChannelOf(part)),
-                          .data = EncodePart(id, part, value, DisparityEncoding::kRawInt16)});
+                          .data = EncodePart(id, part, value)});
       };
       add(Part::kRig, dataset->rig());
       add(Part::kLeft, frame.left);

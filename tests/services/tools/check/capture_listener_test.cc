@@ -20,7 +20,6 @@ using testing::IsEmpty;
 constexpr int kFrames = 40;
 constexpr int64_t kFirstUtime = 1'700'000'000'000'000;
 constexpr std::chrono::milliseconds kPeriod{100};
-constexpr auto kRaw = DisparityEncoding::kRawInt16;
 const cv::Size kSize(32, 24);
 
 // A message before it is encoded.
@@ -69,7 +68,7 @@ class Ear {
     listener_.Take({std::string(channel), std::move(bytes), start_ + when});
   }
   void Take(const Message& message) {
-    Take(ChannelOf(message.part), EncodePart(message.id, message.part, message.value, kRaw),
+    Take(ChannelOf(message.part), EncodePart(message.id, message.part, message.value),
          message.when);
   }
 
@@ -264,7 +263,7 @@ TEST(CaptureListener, NamesAMessageOfAnotherType) {
     if (message.part != Part::kTof) {
       ear.Take(message);
     } else {
-      ear.Take("SPROUT_TOF", EncodePart(message.id, Part::kLeft, Picture(1), kRaw), message.when);
+      ear.Take("SPROUT_TOF", EncodePart(message.id, Part::kLeft, Picture(1)), message.when);
     }
   }
   EXPECT_THAT(ear.Finish().wrong,

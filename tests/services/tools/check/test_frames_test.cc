@@ -16,8 +16,7 @@ std::vector<TestFrame> SampleFrames(const std::string& stage) {
 }
 
 std::vector<uint8_t> Bytes(const TestFrame& frame, Part part) {
-  return EncodePart({.utime = 1, .seq = 1, .rig_id = "id"}, part, frame.parts.at(part),
-                    DisparityEncoding::kRawInt16);
+  return EncodePart({.utime = 1, .seq = 1, .rig_id = "id"}, part, frame.parts.at(part));
 }
 
 TEST(TestFrames, HoldWhatLiesUpstreamAndTheRecordedAnswer) {
@@ -61,7 +60,7 @@ TEST(BadMessages, AreAllRefusedAtTheBorder) {
       ReadTestFrames(std::string(SPROUT_SOURCE_DIR) + "/logs/sample.lcm", ContractOf("grow"));
   const FrameId id{.utime = 1, .seq = 1, .rig_id = frames[0].rig_id};
   for (const auto& [part, value] : frames[0].parts) {
-    const auto good = EncodePart(id, part, value, DisparityEncoding::kRawInt16);
+    const auto good = EncodePart(id, part, value);
     ASSERT_TRUE(DecodePart(part, good)) << ChannelOf(part);
     EXPECT_GE(CorruptionsOf(part).size(), 20U) << ChannelOf(part);
     for (const Corruption& corruption : CorruptionsOf(part)) {

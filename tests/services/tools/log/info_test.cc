@@ -94,8 +94,7 @@ TEST_F(LogInfo, CountsFramesBehindAClockThatWasSetBack) {
     FrameId id = LogFrameId(seq);
     id.utime -= 3'600'000'000;
     event.utime -= 3'600'000'000;
-    event.data =
-        EncodePart(id, Part::kLeft, LogValue(Part::kLeft, seq), DisparityEncoding::kRawInt16);
+    event.data = EncodePart(id, Part::kLeft, LogValue(Part::kLeft, seq));
     events.push_back(event);
   }
   const std::string out = OutOf({"info", folder_.Write("log", events), "--check"}, 1);
@@ -266,8 +265,7 @@ TEST(TextsOfALog, CannotMoveTheCursorOfATerminal) {
   events.push_back(ProcessEvent(0, "grow\x1b[2J\nno damage", "\x1b[2J"));
   FrameId id = LogFrameId(0);
   id.rig_id = "\x1b[2J";
-  EventOf(events, Part::kTof, 0).data =
-      EncodePart(id, Part::kTof, LogValue(Part::kTof, 0), DisparityEncoding::kRawInt16);
+  EventOf(events, Part::kTof, 0).data = EncodePart(id, Part::kTof, LogValue(Part::kTof, 0));
   const std::string log = folder.Write("\x1b[2J", events);
   for (const std::vector<std::string>& words :
        {std::vector<std::string>{"info", "--config", log}, {"diff", before, log}}) {

@@ -77,8 +77,7 @@ TEST(MessageDiff, ComparesHeadersAndSurvivesDamage) {
   const Bytes good = Encoded(Part::kTof, LogValue(Part::kTof, 1));
   FrameId other = LogFrameId(1);
   other.rig_id = "beef";
-  const Bytes other_rig =
-      EncodePart(other, Part::kTof, LogValue(Part::kTof, 1), DisparityEncoding::kRawInt16);
+  const Bytes other_rig = EncodePart(other, Part::kTof, LogValue(Part::kTof, 1));
   EXPECT_EQ(Compare(good, other_rig).text, "rig_id cafe and beef");
   Bytes cut = good;
   cut.pop_back();

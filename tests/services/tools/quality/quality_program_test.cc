@@ -53,7 +53,7 @@ class QualityProgram : public ::testing::Test {
       const auto add = [&](Part part, const PartValue& value) {
         events.push_back({.utime = id.utime,
                           .channel = std::string(ChannelOf(part)),
-                          .data = EncodePart(id, part, value, DisparityEncoding::kRawInt16)});
+                          .data = EncodePart(id, part, value)});
       };
       if (with_rig) add(Part::kRig, rig);
       add(Part::kDisparity, FromPx(map));
