@@ -12,6 +12,7 @@
 
 #include "common/core/input_files.h"
 #include "tests/common/testing/test_with_folder.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout {
 namespace {
@@ -22,8 +23,7 @@ using ::testing::HasSubstr;
 std::string WriteAndCommit(const fs::path& path, const std::string& text) {
   OutputFile file(path);
   file.Write(text);
-  const auto written = file.Commit();
-  return written ? "" : written.error().text;
+  return WhyNot(file.Commit());
 }
 
 class OutputFileTest : public TestWithFolder {};

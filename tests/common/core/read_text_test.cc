@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "tests/common/picture/temporary_directory.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout {
 namespace {
@@ -22,8 +23,7 @@ class ReadTextTest : public testing::Test {
   }
 
   static std::string ErrorOf(const fs::path& path, size_t max_bytes = kMaxTextBytes) {
-    const Result<std::string> text = ReadText(path, max_bytes);
-    return text ? "" : text.error().text;
+    return WhyNot(ReadText(path, max_bytes));
   }
 
   TemporaryDirectory folder_;

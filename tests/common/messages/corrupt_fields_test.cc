@@ -2,7 +2,9 @@
 
 #include <functional>
 
+#include "common/config/required.h"
 #include "tests/common/messages/examples.h"
+#include "tests/common/testing/thrown.h"
 
 // Well-formed messages with fields that the border must refuse; the error names the field and what
 // is allowed.
@@ -29,11 +31,10 @@ void ExpectRefused(const Message& valid, Part part, std::vector<Corruption<Messa
     SCOPED_TRACE(corruption.name);
     Message message = valid;
     corruption.apply(message);
-    const Result<DecodedPart> decoded = DecodePart(part, examples::Encode(message));
-    ASSERT_FALSE(decoded) << "accepted";
-    EXPECT_THAT(decoded.error().text, HasSubstr(corruption.field));
-    EXPECT_THAT(decoded.error().text, HasSubstr(corruption.allowed));
-    EXPECT_THAT(decoded.error().text, ::testing::Not(HasSubstr("\n")));
+    const std::string error = WhyNot(DecodePart(part, examples::Encode(message)));
+    EXPECT_THAT(error, HasSubstr(corruption.field));
+    EXPECT_THAT(error, HasSubstr(corruption.allowed));
+    EXPECT_THAT(error, ::testing::Not(HasSubstr("\n")));
   }
 }
 
@@ -295,11 +296,10 @@ TEST(StatusBorder, CutsWhatIsTooLongToBeSentBetweenTwoCharacters) {
   for (int i = 0; i < 1000; ++i) status.last_error += "×";  // two bytes
   status.last_error.insert(0, "x");
   status.stage.assign(100, 's');
-  const auto decoded = DecodeStatus(EncodeStatus(status));
-  ASSERT_TRUE(decoded) << decoded.error().text;
-  EXPECT_EQ(decoded->last_error.size(), 1023U);
-  EXPECT_TRUE(decoded->last_error.ends_with("×"));
-  EXPECT_EQ(decoded->stage.size(), 64U);
+  const auto decoded = Required(DecodeStatus(EncodeStatus(status)));
+  EXPECT_EQ(decoded.last_error.size(), 1023U);
+  EXPECT_TRUE(decoded.last_error.ends_with("×"));
+  EXPECT_EQ(decoded.stage.size(), 64U);
 }
 
 TEST(StatusBorder, RefusesACoverageThatIsNoShare) {
@@ -345,9 +345,8 @@ TEST(StatusBorder, RefusesRatesAndTimesThatAreNoNumbers) {
     EXPECT_TRUE(DecodeStatus(examples::Encode(message))) << name;
     for (const double value : {kNan, kInf, -kInf}) {
       message.*field = value;
-      const auto decoded = DecodeStatus(examples::Encode(message));
-      ASSERT_FALSE(decoded) << name;
-      EXPECT_THAT(decoded.error().text, HasSubstr(std::string(name) + " = "));
+      EXPECT_THAT(WhyNot(DecodeStatus(examples::Encode(message))),
+                  HasSubstr(std::string(name) + " = "));
     }
   }
 }
@@ -388,9 +387,8 @@ TEST(ProcessBorder, RefusesStringsLongerThanAnyOfOurs) {
 TEST(ProcessBorder, SendsWhatIsTooLongCut) {
   ProcessInfo info = examples::Process();
   info.config_text.assign(100'000, 'x');
-  const auto decoded = DecodeProcessInfo(EncodeProcessInfo(info));
-  ASSERT_TRUE(decoded) << decoded.error().text;
-  EXPECT_EQ(decoded->config_text.size(), 65536U);
+  const auto decoded = Required(DecodeProcessInfo(EncodeProcessInfo(info)));
+  EXPECT_EQ(decoded.config_text.size(), 65536U);
 }
 
 }  // namespace

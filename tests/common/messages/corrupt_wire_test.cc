@@ -4,6 +4,7 @@
 
 #include "tests/common/messages/examples.h"
 #include "tests/common/testing/allocation_guard.h"
+#include "tests/common/testing/thrown.h"
 
 // Bytes that are no well-formed message: the generated decoder must never see what it would
 // believe.
@@ -80,12 +81,10 @@ void ExpectHostileCountsSeen(const Message& message, int32_t Message::*count, Pa
   for (const int32_t hostile : kHostileCounts) {
     const std::vector<uint8_t> patched = Patched(bytes, offset, hostile);
     const AllocationGuard guard;
-    const Result<DecodedPart> decoded = DecodePart(part, patched);
+    const std::string error = WhyNot(DecodePart(part, patched));
     EXPECT_LT(guard.largest(), 100'000U) << hostile;
-    ASSERT_FALSE(decoded) << hostile;
     // This text, and no other, proves that the count was seen before the generated decoder ran.
-    EXPECT_THAT(decoded.error().text,
-                StartsWith("array count " + std::to_string(hostile) + " does not fit"));
+    EXPECT_THAT(error, StartsWith("array count " + std::to_string(hostile) + " does not fit"));
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"
+#include "tests/common/testing/thrown.h"
 
 // One small valid value of each kind, and how to bend its bytes.
 namespace sprout::examples {
@@ -230,12 +231,7 @@ struct Wire {
   MessageType other = MessageType::kStatus;  ///< its type then
 
   std::string ErrorOf(std::span<const uint8_t> as_one) const {
-    if (!part) {
-      const Result<DecodedMessage> decoded = DecodeAs(other, as_one);
-      return decoded ? "" : decoded.error().text;
-    }
-    const Result<DecodedPart> decoded = DecodePart(*part, as_one);
-    return decoded ? "" : decoded.error().text;
+    return part ? WhyNot(DecodePart(*part, as_one)) : WhyNot(DecodeAs(other, as_one));
   }
 };
 

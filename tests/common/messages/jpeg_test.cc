@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <chrono>
 
+#include "common/config/required.h"
 #include "tests/common/messages/examples.h"
 #include "tests/common/testing/allocation_guard.h"
+#include "tests/common/testing/thrown.h"
 
 // Images that travel as JPEG streams.
 namespace sprout {
@@ -17,8 +19,7 @@ using ::testing::StartsWith;
 
 std::string ErrorOf(image_t message) {
   message.size = static_cast<int32_t>(message.data.size());
-  const Result<cv::Mat> image = FromMessage(message, message.data);
-  return image ? "" : image.error().text;
+  return WhyNot(FromMessage(message, message.data));
 }
 
 // Where the frame header (SOF) of a baseline stream stands: FF C0, length, precision, then height
@@ -33,11 +34,10 @@ size_t FindFrameHeader(const std::vector<uint8_t>& data) {
 
 TEST(JpegImageMessage, IsDecodedToBgr) {
   const image_t message = examples::Jpeg();
-  const Result<cv::Mat> image = FromMessage(message, message.data);
-  ASSERT_TRUE(image) << image.error().text;
-  ASSERT_EQ(image->type(), CV_8UC3);
-  ASSERT_EQ(image->size(), cv::Size(24, 16));
-  const cv::Vec3b pixel = image->at<cv::Vec3b>(8, 12);
+  const cv::Mat image = Required(FromMessage(message, message.data));
+  ASSERT_EQ(image.type(), CV_8UC3);
+  ASSERT_EQ(image.size(), cv::Size(24, 16));
+  const cv::Vec3b pixel = image.at<cv::Vec3b>(8, 12);
   EXPECT_NEAR(pixel[0], 20, 3);
   EXPECT_NEAR(pixel[1], 120, 3);
   EXPECT_NEAR(pixel[2], 220, 3);
@@ -47,10 +47,9 @@ TEST(JpegImageMessage, StaysGreyWhenTheStreamIs) {
   image_t message = examples::Jpeg();
   cv::imencode(".jpg", cv::Mat(16, 24, CV_8UC1, cv::Scalar(77)), message.data);
   message.size = static_cast<int32_t>(message.data.size());
-  const Result<cv::Mat> image = FromMessage(message, message.data);
-  ASSERT_TRUE(image) << image.error().text;
-  ASSERT_EQ(image->type(), CV_8UC1);
-  EXPECT_NEAR(image->at<uint8_t>(3, 3), 77, 2);
+  const cv::Mat image = Required(FromMessage(message, message.data));
+  ASSERT_EQ(image.type(), CV_8UC1);
+  EXPECT_NEAR(image.at<uint8_t>(3, 3), 77, 2);
 }
 
 TEST(JpegImageMessage, MayBePaddedWithZeros) {  // as many cameras do
@@ -91,9 +90,8 @@ TEST(JpegImageMessage, IsRefusedBeforeAHugePictureIsDecoded) {
 TEST(JpegImageMessage, IsRefusedWhenTheFramesImagesHaveAnotherSize) {
   const auto bytes = examples::Encode(examples::Jpeg());
   EXPECT_TRUE(DecodePart(Part::kLeft, bytes, cv::Size(24, 16)));
-  const auto decoded = DecodePart(Part::kLeft, bytes, cv::Size(16, 24));
-  ASSERT_FALSE(decoded);
-  EXPECT_THAT(decoded.error().text, HasSubstr("size of the frame's images, 16x24"));
+  EXPECT_THAT(WhyNot(DecodePart(Part::kLeft, bytes, cv::Size(16, 24))),
+              HasSubstr("size of the frame's images, 16x24"));
 }
 
 TEST(JpegImageMessage, IsRefusedWhenItsBytesCannotHoldThePicture) {

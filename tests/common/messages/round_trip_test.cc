@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include "common/config/required.h"
 #include "common/messages/message_type.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout {
 namespace {
@@ -23,9 +25,8 @@ TEST(ImageMessage, CarriesAViewIntoALargerImage) {
 TEST(ImageMessage, ReordersRgbToBgr) {
   image_t message = ToMessage(examples::Id(), cv::Mat(1, 2, CV_8UC3, cv::Scalar(10, 20, 30)));
   message.pixel_format = image_t::PIXEL_FORMAT_RGB3;
-  const Result<cv::Mat> image = FromMessage(message, message.data);
-  ASSERT_TRUE(image) << image.error().text;
-  EXPECT_EQ(image->at<cv::Vec3b>(0, 1), cv::Vec3b(30, 20, 10));
+  const cv::Mat image = Required(FromMessage(message, message.data));
+  EXPECT_EQ(image.at<cv::Vec3b>(0, 1), cv::Vec3b(30, 20, 10));
 }
 
 TEST(ImageMessage, SkipsThePaddingBehindEachRow) {
@@ -33,9 +34,8 @@ TEST(ImageMessage, SkipsThePaddingBehindEachRow) {
   message.row_stride = 5;
   message.data = {1, 2, 3, 99, 99, 4, 5, 6, 99, 99};
   message.size = 10;
-  const Result<cv::Mat> image = FromMessage(message, message.data);
-  ASSERT_TRUE(image) << image.error().text;
-  ExpectSamePixels(*image, (cv::Mat1b(2, 3) << 1, 2, 3, 4, 5, 6));
+  const cv::Mat image = Required(FromMessage(message, message.data));
+  ExpectSamePixels(image, (cv::Mat1b(2, 3) << 1, 2, 3, 4, 5, 6));
 }
 
 TEST(ImageMessage, DoesNotShareMemoryWithTheMessage) {
@@ -54,17 +54,15 @@ TEST(ZonesMessage, TakesNoNumbersFromATargetThatIsNone) {
   tof_zones_t message = ToMessage(examples::Id(), examples::Zones());
   message.depth_m[3] = NAN;
   message.sigma_m[3] = -1;
-  const Result<TofZones> zones = FromMessage(message);
-  ASSERT_TRUE(zones) << zones.error().text;
-  EXPECT_EQ(*zones, examples::Zones());
+  const TofZones zones = Required(FromMessage(message));
+  EXPECT_EQ(zones, examples::Zones());
 }
 
 TEST(ZonesMessage, IsRefusedWithWhatCannotBe) {
-  const auto error_of = [](const auto& change) -> std::string {
+  const auto error_of = [](const auto& change) {
     tof_zones_t message = ToMessage(examples::Id(), examples::Zones());
     change(message);
-    const Result<TofZones> zones = FromMessage(message);
-    return zones ? "" : zones.error().text;
+    return WhyNot(FromMessage(message));
   };
   using M = tof_zones_t;
   EXPECT_EQ(error_of([](M&) {}), "");
@@ -103,8 +101,7 @@ TEST(MotionMessage, IsRefusedWithoutARotationOrWithNumbersThatCannotBe) {
   const auto error_of = [](auto change) {
     motion_t message = ToMessage(examples::Id(), examples::Motion());
     change(message);
-    const Result<CameraMotion> motion = FromMessage(message);
-    return motion ? "" : motion.error().text;
+    return WhyNot(FromMessage(message));
   };
   EXPECT_EQ(error_of([](motion_t&) {}), "");
   EXPECT_THAT(error_of([](motion_t& m) { m.last_from_left_rotation[0] = 2; }),
@@ -181,58 +178,53 @@ TEST(SeedsMessage, CarriesNoSeedAtAll) { EXPECT_EQ(RoundTrip(Part::kSeeds, SeedS
 
 TEST(StatusMessage, CarriesEveryField) {
   const StageStatus sent = examples::Status();
-  const Result<StageStatus> status = DecodeStatus(EncodeStatus(sent));
-  ASSERT_TRUE(status) << status.error().text;
-  EXPECT_EQ(status->newest_frame, sent.newest_frame);
-  EXPECT_EQ(status->stage, "refine");
-  EXPECT_EQ(status->host, "robot");
-  EXPECT_EQ(status->version, "0.1.0 (test)");
-  EXPECT_EQ(status->config_digest, "fedcba9876543210");
-  EXPECT_EQ(status->last_error, "frame 41: no seeds");
-  EXPECT_EQ(status->pid, 77);
-  EXPECT_EQ(status->state, StageStatus::State::kRunning);
-  EXPECT_EQ((std::vector<int64_t>{status->frames_in, status->frames_out, status->frames_skipped,
-                                  status->frames_incomplete, status->frames_degenerate,
-                                  status->frames_failed, status->frames_resent,
-                                  status->bad_messages, status->sequence_gaps}),
+  const StageStatus status = Required(DecodeStatus(EncodeStatus(sent)));
+  EXPECT_EQ(status.newest_frame, sent.newest_frame);
+  EXPECT_EQ(status.stage, "refine");
+  EXPECT_EQ(status.host, "robot");
+  EXPECT_EQ(status.version, "0.1.0 (test)");
+  EXPECT_EQ(status.config_digest, "fedcba9876543210");
+  EXPECT_EQ(status.last_error, "frame 41: no seeds");
+  EXPECT_EQ(status.pid, 77);
+  EXPECT_EQ(status.state, StageStatus::State::kRunning);
+  EXPECT_EQ((std::vector<int64_t>{status.frames_in, status.frames_out, status.frames_skipped,
+                                  status.frames_incomplete, status.frames_degenerate,
+                                  status.frames_failed, status.frames_resent, status.bad_messages,
+                                  status.sequence_gaps}),
             (std::vector<int64_t>{1, 2, 3, 4, 5, 6, 7, 8, 9}));
-  EXPECT_EQ((std::vector<double>{status->rate_hz, status->latency.p50_ms, status->latency.p95_ms,
-                                 status->latency.p99_ms, status->latency.max_ms, status->age.p50_ms,
-                                 status->age.p95_ms, status->age.p99_ms, status->age.max_ms}),
+  EXPECT_EQ((std::vector<double>{status.rate_hz, status.latency.p50_ms, status.latency.p95_ms,
+                                 status.latency.p99_ms, status.latency.max_ms, status.age.p50_ms,
+                                 status.age.p95_ms, status.age.p99_ms, status.age.max_ms}),
             (std::vector<double>{10.5, 11, 12, 13, 14, 15, 16, 17, 18}));
-  EXPECT_EQ(status->rss_bytes, int64_t{19} << 32);
-  EXPECT_EQ(status->tof_coverage, 0.25F);
-  EXPECT_EQ(status->spread_ms, 1.5F);
-  EXPECT_EQ(status->tof_offset.u_px, 2.25F);
-  EXPECT_EQ(status->tof_offset.v_px, -0.5F);
-  EXPECT_EQ(status->tof_offset.sigma_px, 0.125F);
+  EXPECT_EQ(status.rss_bytes, int64_t{19} << 32);
+  EXPECT_EQ(status.tof_coverage, 0.25F);
+  EXPECT_EQ(status.spread_ms, 1.5F);
+  EXPECT_EQ(status.tof_offset.u_px, 2.25F);
+  EXPECT_EQ(status.tof_offset.v_px, -0.5F);
+  EXPECT_EQ(status.tof_offset.sigma_px, 0.125F);
 }
 
 TEST(StatusMessage, MayNameNoFrameYet) {
-  const Result<StageStatus> status = DecodeStatus(EncodeStatus(StageStatus{}));
-  ASSERT_TRUE(status) << status.error().text;
-  EXPECT_EQ(status->newest_frame, FrameId{});
-  EXPECT_EQ(status->tof_coverage, kUnknownCoverage);
+  const StageStatus status = Required(DecodeStatus(EncodeStatus(StageStatus{})));
+  EXPECT_EQ(status.newest_frame, FrameId{});
+  EXPECT_EQ(status.tof_coverage, kUnknownCoverage);
 }
 
 TEST(ProcessMessage, CarriesEveryField) {
-  const Result<ProcessInfo> info = DecodeProcessInfo(EncodeProcessInfo(examples::Process()));
-  ASSERT_TRUE(info) << info.error().text;
-  EXPECT_EQ(*info, examples::Process());
+  const ProcessInfo info = Required(DecodeProcessInfo(EncodeProcessInfo(examples::Process())));
+  EXPECT_EQ(info, examples::Process());
 }
 
 TEST(RigChangeMessage, CarriesEveryField) {
-  const Result<RigChange> change = DecodeRigChange(EncodeRigChange(examples::Change()));
-  ASSERT_TRUE(change.has_value()) << change.error().text;
-  EXPECT_EQ(*change, examples::Change());
+  const RigChange change = Required(DecodeRigChange(EncodeRigChange(examples::Change())));
+  EXPECT_EQ(change, examples::Change());
 }
 
 TEST(RigChangeMessage, RefusesWhatTheTypeDoesNotAllow) {
   const auto error = [](const auto& spoil) {
     RigChange change = examples::Change();
     spoil(change);
-    const Result<RigChange> decoded = DecodeRigChange(EncodeRigChange(change));
-    return decoded ? "" : decoded.error().text;
+    return WhyNot(DecodeRigChange(EncodeRigChange(change)));
   };
   EXPECT_EQ(error([](RigChange& c) { c.verdict = static_cast<RigChange::Verdict>(3); }),
             "verdict = 3: allowed is UNSEEN, RIGHT or WRONG");
@@ -252,8 +244,7 @@ TEST(RigChangeMessage, RefusesAChangeThatWasNotSeen) {
     RigChange change = examples::Change();
     change.verdict = RigChange::Verdict::kWrong;
     spoil(change);
-    const Result<RigChange> decoded = DecodeRigChange(EncodeRigChange(change));
-    return decoded ? "" : decoded.error().text;
+    return WhyNot(DecodeRigChange(EncodeRigChange(change)));
   };
   EXPECT_EQ(error([](RigChange&) {}), "");
   const auto turned = [](RigChange& c, double turn, double sigma) {
@@ -289,9 +280,8 @@ TEST(RigChangeMessage, RefusesAChangeThatWasNotSeen) {
 }
 
 TEST(ProcessMessage, MayBeEmpty) {
-  const Result<ProcessInfo> info = DecodeProcessInfo(EncodeProcessInfo(ProcessInfo{}));
-  ASSERT_TRUE(info) << info.error().text;
-  EXPECT_EQ(*info, ProcessInfo{});
+  const ProcessInfo info = Required(DecodeProcessInfo(EncodeProcessInfo(ProcessInfo{})));
+  EXPECT_EQ(info, ProcessInfo{});
 }
 
 TEST(MessageType, IsToldByTheFingerprint) {

@@ -7,7 +7,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
+#include "common/config/required.h"
 #include "tests/common/picture/temporary_directory.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout {
 namespace {
@@ -59,19 +61,18 @@ TEST_F(ReadImageFile, DecodesEveryFormatAsOpenCvDoes) {
       Write("j.tiff", CV_32FC1),
       Write("k.tiff", CV_16UC1)};
   for (const std::string& file : files) {
-    const auto image = DecodeImageFile(file, cv::IMREAD_UNCHANGED, kCameraFormats);
-    ASSERT_TRUE(image) << image.error().text;
+    const auto image = Required(DecodeImageFile(file, cv::IMREAD_UNCHANGED, kCameraFormats));
     const cv::Mat expected = cv::imread(file, cv::IMREAD_UNCHANGED);
-    ASSERT_EQ(image->type(), expected.type()) << file;
-    EXPECT_EQ(cv::norm(*image, expected, cv::NORM_INF), 0) << file;
+    ASSERT_EQ(image.type(), expected.type()) << file;
+    EXPECT_EQ(cv::norm(image, expected, cv::NORM_INF), 0) << file;
   }
 }
 
 TEST_F(ReadImageFile, TakesCommentsInAPgmHeader) {
   std::ofstream(File("a.pgm"), std::ios::binary) << "P5\n# by 99 hands\n2 # wide\n1\n255\nab";
-  const auto image = DecodeImageFile(File("a.pgm"), cv::IMREAD_UNCHANGED, kPictureFormats);
-  ASSERT_TRUE(image) << image.error().text;
-  EXPECT_EQ(image->size(), cv::Size(2, 1));
+  const auto image =
+      Required(DecodeImageFile(File("a.pgm"), cv::IMREAD_UNCHANGED, kPictureFormats));
+  EXPECT_EQ(image.size(), cv::Size(2, 1));
 }
 
 // Headers that claim 65500×65500 px; their files are small.
@@ -172,10 +173,9 @@ TEST_F(ReadImageFile, NamesWhatCannotBeDecoded) {
   const std::string no_frame = File("no_frame.jpg");
   std::ofstream(no_frame, std::ios::binary) << "\xff\xd8\xff\xd9";
   EXPECT_THAT(ErrorOf(no_frame), HasSubstr(reason));
-  const auto tiff =
-      DecodeImageFile(Write("a.tiff", CV_8UC1), cv::IMREAD_UNCHANGED, kPictureFormats);
-  ASSERT_FALSE(tiff);
-  EXPECT_THAT(tiff.error().text, HasSubstr("allowed: a readable PNG, JPEG or PPM file"));
+  EXPECT_THAT(
+      WhyNot(DecodeImageFile(Write("a.tiff", CV_8UC1), cv::IMREAD_UNCHANGED, kPictureFormats)),
+      HasSubstr("allowed: a readable PNG, JPEG or PPM file"));
 }
 
 }  // namespace

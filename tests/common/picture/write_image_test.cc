@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "tests/common/picture/temporary_directory.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout {
 namespace {
@@ -62,26 +63,21 @@ TEST(WritePng, ReadsBackUnchanged) {
 
 TEST(WritePng, RefusesAnEmptyPicture) {
   const TemporaryDirectory directory;
-  const auto written = WritePng(directory / "picture.png", cv::Mat());
-  ASSERT_FALSE(written);
-  EXPECT_THAT(written.error().text, HasSubstr("empty"));
+  EXPECT_THAT(WhyNot(WritePng(directory / "picture.png", cv::Mat())), HasSubstr("empty"));
   EXPECT_EQ(directory.CountEntries(), 0);
 }
 
 TEST(OutputFiles, AreRefusedInAMissingDirectory) {
   const TemporaryDirectory directory;
-  const auto written = WritePfm(directory / "missing/map.pfm", Ramp());
-  ASSERT_FALSE(written);
-  EXPECT_THAT(written.error().text, HasSubstr("missing/map.pfm: No such file or directory"));
+  EXPECT_THAT(WhyNot(WritePfm(directory / "missing/map.pfm", Ramp())),
+              HasSubstr("missing/map.pfm: No such file or directory"));
   EXPECT_EQ(directory.CountEntries(), 0);
 }
 
 TEST(OutputFiles, LeaveNothingBehindWhenTheyCannotGetTheirName) {
   const TemporaryDirectory directory;
   std::filesystem::create_directory(directory / "map.pfm");
-  const auto written = WritePfm(directory / "map.pfm", Ramp());
-  ASSERT_FALSE(written);
-  EXPECT_THAT(written.error().text, HasSubstr("map.pfm: a folder"));
+  EXPECT_THAT(WhyNot(WritePfm(directory / "map.pfm", Ramp())), HasSubstr("map.pfm: a folder"));
   EXPECT_EQ(directory.CountEntries(), 1);
 }
 

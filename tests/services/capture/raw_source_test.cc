@@ -72,13 +72,12 @@ TEST_F(VideoTest, JoinsImagesOfOneNumberAndNamesTheOthers) {
   std::filesystem::remove(Path("right00.png"));
   const auto opened = OpenCameras(source, /*loop=*/false);
   for (const int number : {1, 3}) {
-    const auto frame = opened.cameras->Next({});
-    ASSERT_TRUE(frame);
-    EXPECT_EQ(frame->left.at<cv::Vec3b>(0, 0)[0], 10 * (number + 1));
-    EXPECT_EQ(frame->right.at<cv::Vec3b>(0, 0)[0], 10 * (number + 1));
-    EXPECT_EQ(frame->lost, number == 1 ? 3 : 0);
+    const auto frame = opened.cameras->Next({}).value();
+    EXPECT_EQ(frame.left.at<cv::Vec3b>(0, 0)[0], 10 * (number + 1));
+    EXPECT_EQ(frame.right.at<cv::Vec3b>(0, 0)[0], 10 * (number + 1));
+    EXPECT_EQ(frame.lost, number == 1 ? 3 : 0);
     if (number == 1) {
-      EXPECT_THAT(frame->trouble, HasSubstr("left00.png: has no partner, nor have 2 others"));
+      EXPECT_THAT(frame.trouble, HasSubstr("left00.png: has no partner, nor have 2 others"));
     }
   }
   EXPECT_FALSE(opened.cameras->Next({}));
@@ -142,12 +141,11 @@ TEST_F(VideoTest, PlaysTwoImageListsAndEndsWithTheShorterOne) {
   EXPECT_FALSE(opened.cameras->is_live());
   EXPECT_FALSE(opened.rig);
   for (int i = 0; i < 2; ++i) {
-    const auto frame = opened.cameras->Next({});
-    ASSERT_TRUE(frame);
-    EXPECT_EQ(frame->left.at<cv::Vec3b>(0, 0)[0], 10 * (i + 1));
-    EXPECT_EQ(frame->right.at<cv::Vec3b>(479, 639)[0], 10 * (i + 1));
-    EXPECT_TRUE(frame->tof.depth_m.empty());
-    EXPECT_EQ(frame->lost, i == 0 ? 1 : 0);
+    const auto frame = opened.cameras->Next({}).value();
+    EXPECT_EQ(frame.left.at<cv::Vec3b>(0, 0)[0], 10 * (i + 1));
+    EXPECT_EQ(frame.right.at<cv::Vec3b>(479, 639)[0], 10 * (i + 1));
+    EXPECT_TRUE(frame.tof.depth_m.empty());
+    EXPECT_EQ(frame.lost, i == 0 ? 1 : 0);
   }
   EXPECT_FALSE(opened.cameras->Next({}));
 }
@@ -166,11 +164,10 @@ TEST_F(VideoTest, TakesBothViewsFromOnePicture) {
   cv::imwrite(Path("both00.png"), both);
   const auto opened = OpenCameras("opencv:" + Path("both%02d.png") + "?rig=" + rig_, false);
   ASSERT_TRUE(opened.rig);
-  const auto frame = opened.cameras->Next({});
-  ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->left.size(), cv::Size(640, 480));
-  EXPECT_EQ(frame->left.at<cv::Vec3b>(0, 639)[0], 20);
-  EXPECT_EQ(frame->right.at<cv::Vec3b>(0, 0)[0], 90);
+  const auto frame = opened.cameras->Next({}).value();
+  EXPECT_EQ(frame.left.size(), cv::Size(640, 480));
+  EXPECT_EQ(frame.left.at<cv::Vec3b>(0, 639)[0], 20);
+  EXPECT_EQ(frame.right.at<cv::Vec3b>(0, 0)[0], 90);
 }
 
 TEST_F(VideoTest, RectifiesForTheGraph) {
@@ -180,10 +177,9 @@ TEST_F(VideoTest, RectifiesForTheGraph) {
   const Rectifier rectifier(TiltedRig());
   const Rig& rig = rectifier.rig();
   EXPECT_EQ(DecodePart(Part::kRig, feed->Calibration())->id.rig_id, RigId(rig));
-  const auto frame = feed->Next({});
-  ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->id.rig_id, RigId(rig));
-  EXPECT_EQ(ImageOf(*frame, Part::kLeft).size(), rig.pair.size());
+  const auto frame = feed->Next({}).value();
+  EXPECT_EQ(frame.id.rig_id, RigId(rig));
+  EXPECT_EQ(ImageOf(frame, Part::kLeft).size(), rig.pair.size());
   EXPECT_TRUE(feed->Next({}));
   EXPECT_FALSE(feed->Next({}));
 }
@@ -192,10 +188,9 @@ TEST_F(VideoTest, SendsRawImagesWithoutACalibration) {
   const std::string source = "opencv:" + WriteList("left", 1) + "," + WriteList("right", 1);
   const auto feed = OpenCaptureFeed(Config(source), {.raw = true}, monitor_);
   EXPECT_TRUE(feed->Calibration().empty());
-  const auto frame = feed->Next({});
-  ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->id.rig_id, "");
-  EXPECT_EQ(ImageOf(*frame, Part::kRight).at<uchar>(3, 3), 10);
+  const auto frame = feed->Next({}).value();
+  EXPECT_EQ(frame.id.rig_id, "");
+  EXPECT_EQ(ImageOf(frame, Part::kRight).at<uchar>(3, 3), 10);
 }
 
 TEST_F(VideoTest, SaysWhatCannotBeUsed) {
@@ -240,9 +235,8 @@ TEST_F(VideoTest, StartsAListWithTheFirstNumberThatIsThere) {
   }
   const auto opened = OpenCameras("opencv:" + Path("both%d.png"), false);
   for (const int number : {9, 10, 11}) {
-    const auto frame = opened.cameras->Next({});
-    ASSERT_TRUE(frame);
-    EXPECT_EQ(frame->left.at<cv::Vec3b>(0, 0)[0], number);
+    const auto frame = opened.cameras->Next({}).value();
+    EXPECT_EQ(frame.left.at<cv::Vec3b>(0, 0)[0], number);
   }
   EXPECT_FALSE(opened.cameras->Next({}));
 }
@@ -308,31 +302,27 @@ class RawLogTest : public VideoTest {
 // What every source that rectifies sends when its rig is replaced.
 void ExpectNewRigBetweenFrames(CaptureFeed& feed) {
   ASSERT_TRUE(feed.current_rig());
-  const auto before = feed.Next({});
-  ASSERT_TRUE(before);
-  ASSERT_EQ(before->messages.size(), 3U);
+  const auto before = feed.Next({}).value();
+  ASSERT_EQ(before.messages.size(), 3U);
   const RigInUsePtr turned = TurnedRig();
   feed.current_rig()->Replace(turned);
-  EXPECT_EQ(DecodePart(Part::kRig, feed.Calibration())->id.rig_id, before->id.rig_id);
+  EXPECT_EQ(DecodePart(Part::kRig, feed.Calibration())->id.rig_id, before.id.rig_id);
 
-  const auto after = feed.Next({});
-  ASSERT_TRUE(after);
-  EXPECT_EQ(after->id.rig_id, "turned");
-  ASSERT_EQ(after->messages.size(), 4U);
-  EXPECT_EQ(after->messages.front().first, Part::kRig);
-  const auto rig = DecodePart(Part::kRig, after->messages.front().second);
-  ASSERT_TRUE(rig);
-  EXPECT_EQ(rig->id, after->id);
-  EXPECT_EQ(RigId(std::get<Rig>(rig->value)), RigId(turned->rectifier.rig()));
-  EXPECT_EQ(feed.Calibration(), after->messages.front().second);
-  for (size_t i = 1; i < after->messages.size(); ++i) {
-    EXPECT_EQ(DecodeFrameId(after->messages[i].second)->rig_id, "turned") << i;
+  const auto after = feed.Next({}).value();
+  EXPECT_EQ(after.id.rig_id, "turned");
+  ASSERT_EQ(after.messages.size(), 4U);
+  EXPECT_EQ(after.messages.front().first, Part::kRig);
+  const auto rig = DecodePart(Part::kRig, after.messages.front().second).value();
+  EXPECT_EQ(rig.id, after.id);
+  EXPECT_EQ(RigId(std::get<Rig>(rig.value)), RigId(turned->rectifier.rig()));
+  EXPECT_EQ(feed.Calibration(), after.messages.front().second);
+  for (size_t i = 1; i < after.messages.size(); ++i) {
+    EXPECT_EQ(DecodeFrameId(after.messages[i].second)->rig_id, "turned") << i;
   }
 
-  const auto later = feed.Next({});
-  ASSERT_TRUE(later);
-  EXPECT_EQ(later->id.rig_id, "turned");
-  EXPECT_EQ(later->messages.size(), 3U);
+  const auto later = feed.Next({}).value();
+  EXPECT_EQ(later.id.rig_id, "turned");
+  EXPECT_EQ(later.messages.size(), 3U);
 }
 
 TEST_F(VideoTest, SendsANewCalibrationBeforeTheFirstFrameThatHasIt) {
@@ -353,13 +343,12 @@ TEST_F(RawLogTest, SendsANewCalibrationBeforeTheFirstFrameThatHasIt) {
 TEST_F(RawLogTest, IsRectifiedWithTheGivenRigAndKeepsItsNumbersAndTimes) {
   const auto feed = Open(Frame(4));
   EXPECT_EQ(feed->timing(), Timing::kRecorded);
-  const auto frame = feed->Next({});
-  ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->id.seq, 4);
-  EXPECT_EQ(frame->id.utime, TestId(4).utime);
-  EXPECT_EQ(frame->id.rig_id, RigId(Rectifier(TiltedRig()).rig()));
-  EXPECT_EQ(DecodePart(Part::kRig, feed->Calibration())->id, frame->id);
-  EXPECT_EQ(ImageOf(*frame, Part::kLeft).at<cv::Vec3b>(9, 9)[0], 50);
+  const auto frame = feed->Next({}).value();
+  EXPECT_EQ(frame.id.seq, 4);
+  EXPECT_EQ(frame.id.utime, TestId(4).utime);
+  EXPECT_EQ(frame.id.rig_id, RigId(Rectifier(TiltedRig()).rig()));
+  EXPECT_EQ(DecodePart(Part::kRig, feed->Calibration())->id, frame.id);
+  EXPECT_EQ(ImageOf(frame, Part::kLeft).at<cv::Vec3b>(9, 9)[0], 50);
   EXPECT_FALSE(feed->Next({}));
 }
 

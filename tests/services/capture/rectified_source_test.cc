@@ -3,6 +3,7 @@
 #include <deque>
 #include <memory>
 
+#include "common/config/required.h"
 #include "common/rig/rig_file.h"
 #include "services/capture/raw_source.h"
 #include "tests/common/rig/tilted_rig.h"
@@ -37,19 +38,17 @@ class TestCameras : public RawSource {
 
 TEST(RawSource, RectifiesImagesAndRanges) {
   const Rectifier rectifier(TiltedRig());
-  const Result<scenes::CapturedFrame> frame = RectifyFrame(rectifier, RawFrame(77));
-  ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->left.size(), rectifier.rig().pair.size());
-  EXPECT_EQ(frame->right.at<cv::Vec3b>(240, 320)[1], 77);
-  EXPECT_NEAR(frame->tof.depth_m(71, 88), 1.01 * 2 - 0.02, 1e-3);
+  const scenes::CapturedFrame frame = Required(RectifyFrame(rectifier, RawFrame(77)));
+  EXPECT_EQ(frame.left.size(), rectifier.rig().pair.size());
+  EXPECT_EQ(frame.right.at<cv::Vec3b>(240, 320)[1], 77);
+  EXPECT_NEAR(frame.tof.depth_m(71, 88), 1.01 * 2 - 0.02, 1e-3);
 }
 
 TEST(RawSource, TakesAFrameWhoseToFCameraGaveNothing) {
   scenes::CapturedFrame raw = RawFrame(77);
   raw.tof = {};
-  const Result<scenes::CapturedFrame> frame = RectifyFrame(Rectifier(TiltedRig()), raw);
-  ASSERT_TRUE(frame);
-  EXPECT_TRUE(frame->tof.depth_m.empty());
+  const scenes::CapturedFrame frame = Required(RectifyFrame(Rectifier(TiltedRig()), raw));
+  EXPECT_TRUE(frame.tof.depth_m.empty());
 }
 
 TEST(RawSource, NamesTheImageThatIsNotOfTheCalibratedSize) {
@@ -72,10 +71,9 @@ TEST(RawSource, CountsFramesThatCannotBeRectifiedAsLost) {
       std::make_unique<TestCameras>(std::deque{RawFrame(1), small, small, late}), TestRig());
   EXPECT_TRUE(source->is_live());
   EXPECT_EQ(source->Next({})->lost, 0);
-  const auto second = source->Next({});
-  ASSERT_TRUE(second);
-  EXPECT_EQ(second->lost, 4);
-  EXPECT_THAT(second->trouble, HasSubstr("left image of 64x48"));
+  const auto second = source->Next({}).value();
+  EXPECT_EQ(second.lost, 4);
+  EXPECT_THAT(second.trouble, HasSubstr("left image of 64x48"));
   EXPECT_FALSE(source->Next({}));
 }
 

@@ -4,6 +4,7 @@
 
 #include "common/logfile/log_reader.h"
 #include "tests/common/picture/temporary_directory.h"
+#include "tests/common/testing/thrown.h"
 #include "tests/services/view/view_frames.h"
 
 namespace sprout::view {
@@ -24,9 +25,8 @@ TEST(FrameRing, RefusesACalibrationThatIsNotWhole) {
   RingInput input;
   auto bytes = Encoded(0, Part::kRig, ViewRig());
   bytes.resize(bytes.size() + (1 << 20));
-  const auto added = input.ring.Add(ChannelOf(Part::kRig), bytes, input.utime, input.now);
-  ASSERT_FALSE(added);
-  EXPECT_EQ(added.error().text, "message has 1048576 bytes too many");
+  EXPECT_EQ(WhyNot(input.ring.Add(ChannelOf(Part::kRig), bytes, input.utime, input.now)),
+            "message has 1048576 bytes too many");
   EXPECT_EQ(input.ring.bytes(), 0U);
 }
 
@@ -109,9 +109,8 @@ TEST(FrameRing, StaysWithinItsBytesWithoutAnyFrame) {
 TEST(FrameRing, RefusesWhatIsNotOfTheChannelsType) {
   RingInput input;
   const auto image = Encoded(0, Part::kLeft, ViewImage(0));
-  const auto refused = input.ring.Add(ChannelOf(Part::kDisparity), image, 0, input.now);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().text, "not of type sprout.disparity_image_t");
+  EXPECT_EQ(WhyNot(input.ring.Add(ChannelOf(Part::kDisparity), image, 0, input.now)),
+            "not of type sprout.disparity_image_t");
   EXPECT_FALSE(input.ring.Add(ChannelOf(Part::kLeft), {}, 0, input.now));
   EXPECT_EQ(input.ring.bytes(), 0U);
 }

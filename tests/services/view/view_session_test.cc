@@ -82,13 +82,11 @@ TEST_F(ViewSessionTest, SendsTheFrameAgainForAnotherWish) {
   EXPECT_EQ(Sent(), 9);
   Say(R"({"type":"drawn"})");
   Say(R"({"type":"wish","pictures":{"left":99999,"depth":64},"cloud":true})");
-  const auto show = session_.TakeFrame();
-  ASSERT_TRUE(show);
-  EXPECT_THAT(show->parts.pictures,
-              ::testing::UnorderedElementsAre(std::pair(Picture::kLeft, 4096),
-                                              std::pair(Picture::kDepth, 64)));
-  EXPECT_TRUE(show->parts.cloud);
-  EXPECT_FALSE(show->parts.seeds);
+  const auto show = session_.TakeFrame().value();
+  EXPECT_THAT(show.parts.pictures, ::testing::UnorderedElementsAre(std::pair(Picture::kLeft, 4096),
+                                                                   std::pair(Picture::kDepth, 64)));
+  EXPECT_TRUE(show.parts.cloud);
+  EXPECT_FALSE(show.parts.seeds);
 }
 
 TEST_F(ViewSessionTest, TellsOfThePixelThatWasAskedForLast) {
@@ -96,10 +94,9 @@ TEST_F(ViewSessionTest, TellsOfThePixelThatWasAskedForLast) {
   EXPECT_FALSE(session_.TakeProbe());  // no frame was sent yet
   EXPECT_EQ(Sent(), 9);
   Say(R"({"type":"probe","u":3,"v":4})");
-  const auto probe = session_.TakeProbe();
-  ASSERT_TRUE(probe);
-  EXPECT_EQ(probe->u, 3);
-  EXPECT_EQ(probe->frame->id.seq, 9);
+  const auto probe = session_.TakeProbe().value();
+  EXPECT_EQ(probe.u, 3);
+  EXPECT_EQ(probe.frame->id.seq, 9);
   EXPECT_FALSE(session_.TakeProbe());
 }
 
@@ -107,19 +104,17 @@ TEST_F(ViewSessionTest, MeasuresEachFrameThatIsSentOnce) {
   Say(R"({"type":"measure","region":[4,4,40,30],"edge":[8,8,9,9],"distance_m":1.5})");
   EXPECT_FALSE(session_.TakeMeasure());  // no frame was sent yet
   EXPECT_EQ(Sent(), 9);
-  const auto measure = session_.TakeMeasure();
-  ASSERT_TRUE(measure);
-  EXPECT_EQ(measure->frame->id.seq, 9);
+  const auto measure = session_.TakeMeasure().value();
+  EXPECT_EQ(measure.frame->id.seq, 9);
   EXPECT_FALSE(session_.TakeMeasure());
   Say(R"({"type":"drawn"})");
   AddWhole(input_, 10);
   EXPECT_EQ(Sent(), 10);
-  EXPECT_EQ(session_.TakeMeasure()->panel, measure->panel);
+  EXPECT_EQ(session_.TakeMeasure()->panel, measure.panel);
   // Another region begins anew, on the frame that is there.
   Say(R"({"type":"measure"})");
-  const auto other = session_.TakeMeasure();
-  ASSERT_TRUE(other);
-  EXPECT_NE(other->panel, measure->panel);
+  const auto other = session_.TakeMeasure().value();
+  EXPECT_NE(other.panel, measure.panel);
   Say(R"({"type":"measure","off":true})");
   Say(R"({"type":"drawn"})");
   AddWhole(input_, 11);

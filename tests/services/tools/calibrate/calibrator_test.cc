@@ -4,9 +4,11 @@
 
 #include <numbers>
 
+#include "common/config/required.h"
 #include "common/geometry/lens.h"
 #include "common/rig/rectifier.h"
 #include "services/tools/calibrate/coverage.h"
+#include "tests/common/testing/thrown.h"
 #include "tests/services/tools/calibrate/board_scene.h"
 
 namespace sprout::calibrate {
@@ -100,11 +102,10 @@ TEST_F(Calibrator, FindsTheRigFromTwentyFiveTriplets) {
   }
   ASSERT_GE(collector.views().size(), 24);
 
-  const Result<Calibration> calibration = Calibrate(board_, collector.sizes(), collector.views());
+  const Calibration calibration = Required(Calibrate(board_, collector.sizes(), collector.views()));
 
-  ASSERT_TRUE(calibration) << calibration.error().text;
-  ExpectWithinGoals(rig, calibration->rig);
-  const CalibrationQuality& quality = calibration->quality;
+  ExpectWithinGoals(rig, calibration.rig);
+  const CalibrationQuality& quality = calibration.quality;
   EXPECT_THAT(quality.reasons, IsEmpty());
   EXPECT_LT(quality.cameras[kLeft].rms_px, 0.06);
   EXPECT_LT(quality.cameras[kTof].rms_px, 0.25);
@@ -113,11 +114,10 @@ TEST_F(Calibrator, FindsTheRigFromTwentyFiveTriplets) {
 }
 
 TEST_F(Calibrator, KnowsHowFarItMayBeOff) {
-  const Result<Calibration> calibration = Calibrate(board_, SizesOf(rig_), Views(18));
+  const Calibration calibration = Required(Calibrate(board_, SizesOf(rig_), Views(18)));
 
-  ASSERT_TRUE(calibration) << calibration.error().text;
-  const RawRig& found = calibration->rig;
-  const auto& cameras = calibration->quality.cameras;
+  const RawRig& found = calibration.rig;
+  const auto& cameras = calibration.quality.cameras;
   const auto expect_within = [](double error, double deviation) {
     EXPECT_GT(deviation, 0);
     EXPECT_LT(std::abs(error), 4 * deviation);
@@ -155,12 +155,11 @@ TEST_F(Calibrator, LeavesOutCornersThatAreWrong) {
           cv::Point2d(random.uniform(3., 9.), random.uniform(-9., -3.));
     }
   }
-  const Result<Calibration> calibration = Calibrate(board_, SizesOf(rig_), views);
+  const Calibration calibration = Required(Calibrate(board_, SizesOf(rig_), views));
 
-  ASSERT_TRUE(calibration) << calibration.error().text;
-  EXPECT_NEAR(calibration->rig.left.fx / rig_.left.fx, 1, 0.001);
-  EXPECT_LT(TurnDeg(calibration->rig.left_from_right, rig_.left_from_right), 0.05);
-  EXPECT_GE(calibration->quality.cameras[kLeft].outliers, 15);
+  EXPECT_NEAR(calibration.rig.left.fx / rig_.left.fx, 1, 0.001);
+  EXPECT_LT(TurnDeg(calibration.rig.left_from_right, rig_.left_from_right), 0.05);
+  EXPECT_GE(calibration.quality.cameras[kLeft].outliers, 15);
 }
 
 TEST_F(Calibrator, DoesWithoutAToFCamera) {
@@ -169,13 +168,12 @@ TEST_F(Calibrator, DoesWithoutAToFCamera) {
     view.corners[kTof] = {};
     view.tof = {};
   }
-  const Result<Calibration> calibration =
-      Calibrate(board_, {kImageSize, kImageSize, cv::Size()}, views);
+  const Calibration calibration =
+      Required(Calibrate(board_, {kImageSize, kImageSize, cv::Size()}, views));
 
-  ASSERT_TRUE(calibration) << calibration.error().text;
-  EXPECT_EQ(calibration->rig.tof.width, 0);
-  EXPECT_LT(TurnDeg(calibration->rig.left_from_right, rig_.left_from_right), 0.05);
-  EXPECT_THAT(calibration->quality.reasons, IsEmpty());
+  EXPECT_EQ(calibration.rig.tof.width, 0);
+  EXPECT_LT(TurnDeg(calibration.rig.left_from_right, rig_.left_from_right), 0.05);
+  EXPECT_THAT(calibration.quality.reasons, IsEmpty());
 }
 
 TEST_F(Calibrator, UsesViewsThatOneCameraHas) {
@@ -183,11 +181,10 @@ TEST_F(Calibrator, UsesViewsThatOneCameraHas) {
   for (size_t i = 0; i < 5; ++i) views[i].corners[kLeft] = {};
   for (size_t i = 5; i < 10; ++i) views[i].corners[kRight] = {};
 
-  const Result<Calibration> calibration = Calibrate(board_, SizesOf(rig_), views);
+  const Calibration calibration = Required(Calibrate(board_, SizesOf(rig_), views));
 
-  ASSERT_TRUE(calibration) << calibration.error().text;
-  EXPECT_EQ(calibration->quality.cameras[kLeft].views, 21);
-  EXPECT_LT(ShiftMm(calibration->rig.left_from_right, rig_.left_from_right), 0.3);
+  EXPECT_EQ(calibration.quality.cameras[kLeft].views, 21);
+  EXPECT_LT(ShiftMm(calibration.rig.left_from_right, rig_.left_from_right), 0.3);
 }
 
 TEST_F(Calibrator, SaysWhereTheBoardWasNotShown) {
@@ -203,36 +200,29 @@ TEST_F(Calibrator, SaysWhereTheBoardWasNotShown) {
     }
     view.corners[kRight] = kept;
   }
-  const Result<Calibration> calibration = Calibrate(board_, SizesOf(rig_), views);
+  const Calibration calibration = Required(Calibrate(board_, SizesOf(rig_), views));
 
-  ASSERT_TRUE(calibration) << calibration.error().text;
-  EXPECT_THAT(calibration->quality.reasons,
+  EXPECT_THAT(calibration.quality.reasons,
               testing::ElementsAre(
                   "the right image's upper left ninth has no corner: show the board there"));
 }
 
 TEST_F(Calibrator, SaysWhyFewOrBadViewsAreNotGoodEnough) {
-  const Result<Calibration> few = Calibrate(board_, SizesOf(rig_), Views(8));
-  ASSERT_TRUE(few) << few.error().text;
-  EXPECT_THAT(few->quality.reasons,
+  const Calibration few = Required(Calibrate(board_, SizesOf(rig_), Views(8)));
+  EXPECT_THAT(few.quality.reasons,
               Contains(HasSubstr("the left camera sees the board in 8 views only")));
 
-  const Result<Calibration> blurred = Calibrate(board_, SizesOf(rig_), Views(16, 0.8));
-  ASSERT_TRUE(blurred) << blurred.error().text;
-  EXPECT_THAT(blurred->quality.reasons, Contains(HasSubstr("corners of the left image are 1.1")));
+  const Calibration blurred = Required(Calibrate(board_, SizesOf(rig_), Views(16, 0.8)));
+  EXPECT_THAT(blurred.quality.reasons, Contains(HasSubstr("corners of the left image are 1.1")));
 }
 
 TEST_F(Calibrator, RefusesTooFewViews) {
-  const Result<Calibration> none = Calibrate(board_, SizesOf(rig_), {});
-  ASSERT_FALSE(none);
-  EXPECT_THAT(none.error().text,
+  EXPECT_THAT(WhyNot(Calibrate(board_, SizesOf(rig_), {})),
               HasSubstr("the left camera sees 6 corners of the board in 0 views"));
 
   std::vector<BoardView> views = Views(16);
   for (size_t i = 0; i < 13; ++i) views[i].corners[kTof] = {};
-  const Result<Calibration> blind = Calibrate(board_, SizesOf(rig_), views);
-  ASSERT_FALSE(blind);
-  EXPECT_THAT(blind.error().text,
+  EXPECT_THAT(WhyNot(Calibrate(board_, SizesOf(rig_), views)),
               HasSubstr("the ToF camera sees 6 corners of the board in 3 views"));
 }
 
@@ -255,10 +245,8 @@ TEST_F(Calibrator, NoticesSwappedCameras) {
   std::vector<BoardView> views = Views(16);
   for (BoardView& view : views) std::swap(view.corners[kLeft], view.corners[kRight]);
 
-  const Result<Calibration> calibration = Calibrate(board_, SizesOf(rig_), views);
-
-  ASSERT_FALSE(calibration);
-  EXPECT_THAT(calibration.error().text, HasSubstr("are the left and the right camera swapped?"));
+  EXPECT_THAT(WhyNot(Calibrate(board_, SizesOf(rig_), views)),
+              HasSubstr("are the left and the right camera swapped?"));
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/persistence.hpp>
 
-#include "common/config/config_error.h"
+#include "common/config/required.h"
 #include "services/tools/calibrate/import/foreign_rig.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/common/testing/thrown.h"
@@ -32,13 +32,12 @@ struct Truth {
 
 void ExpectLens(const ForeignCamera& camera, const cv::Matx33d& k, const std::vector<double>& d,
                 double accuracy = 1e-9) {
-  const Result<LensFit> fit = ToLens(camera);
-  ASSERT_TRUE(fit) << fit.error().text;
-  EXPECT_NEAR(fit->lens.fx, k(0, 0), accuracy);
-  EXPECT_NEAR(fit->lens.fy, k(1, 1), accuracy);
-  EXPECT_NEAR(fit->lens.cx, k(0, 2), accuracy);
-  EXPECT_NEAR(fit->lens.cy, k(1, 2), accuracy);
-  for (size_t i = 0; i < d.size(); ++i) EXPECT_NEAR(fit->lens.distortion[i], d[i], accuracy) << i;
+  const LensFit fit = Required(ToLens(camera));
+  EXPECT_NEAR(fit.lens.fx, k(0, 0), accuracy);
+  EXPECT_NEAR(fit.lens.fy, k(1, 1), accuracy);
+  EXPECT_NEAR(fit.lens.cx, k(0, 2), accuracy);
+  EXPECT_NEAR(fit.lens.cy, k(1, 2), accuracy);
+  for (size_t i = 0; i < d.size(); ++i) EXPECT_NEAR(fit.lens.distortion[i], d[i], accuracy) << i;
 }
 
 void ExpectTruth(const ForeignRig& rig, const Truth& truth, double accuracy = 1e-9) {
@@ -321,54 +320,46 @@ void ExpectSamePlaces(const ForeignCamera& camera, const Lens& lens) {
   }
 }
 
-std::string LensRefusal(const ForeignCamera& camera) {
-  const Result<LensFit> lens = ToLens(camera);
-  return lens ? "" : lens.error().text;
-}
-
 TEST(ImportLens, RefusesWhatNoModelOfOpencvHas) {
   ForeignCamera camera{.name = "cam0", .size = {640, 480}, .distortion = {}};
   camera.k << 800, 0, 320, 0, 800, 240, 0, 0, 1;
   for (const size_t count : {0, 4, 5, 8, 12, 14}) {
     camera.distortion.assign(count, 1e-5);
-    EXPECT_EQ(LensRefusal(camera), "") << count;
+    EXPECT_EQ(WhyNot(ToLens(camera)), "") << count;
   }
   for (const size_t count : {1, 6, 9, 15}) {
     camera.distortion.assign(count, 1e-5);
-    EXPECT_EQ(LensRefusal(camera),
+    EXPECT_EQ(WhyNot(ToLens(camera)),
               fmt::format("cam0: {} distortion coefficients; allowed: 4, 5, 8, 12 or 14", count));
   }
   camera.is_fisheye = true;
   for (const size_t count : {0, 5}) {
     camera.distortion.assign(count, 1e-5);
-    EXPECT_THAT(LensRefusal(camera), HasSubstr("allowed: 4 of the fisheye model"));
+    EXPECT_THAT(WhyNot(ToLens(camera)), HasSubstr("allowed: 4 of the fisheye model"));
   }
   camera.distortion.assign(4, 0.0);  // which is no pinhole
-  EXPECT_EQ(LensRefusal(camera), "");
+  EXPECT_EQ(WhyNot(ToLens(camera)), "");
   camera.k(0, 1) = 0.5;
-  EXPECT_EQ(LensRefusal(camera), "cam0: its camera matrix has a skew of 0.5 px; allowed: 0");
+  EXPECT_EQ(WhyNot(ToLens(camera)), "cam0: its camera matrix has a skew of 0.5 px; allowed: 0");
 }
 
 TEST(ImportLens, OtherModelsAreFittedWhereBrownsIsAsGood) {
   ForeignCamera camera{.name = "cam0", .size = {640, 480}, .distortion = {}};
   camera.k << 500, 0, 320, 0, 500, 240, 0, 0, 1;
   camera.distortion = {0.3, -0.1, 1e-4, 2e-4, 0.01, 0.5, -0.1, 0.02};  // rational
-  const Result<LensFit> rational = ToLens(camera);
-  ASSERT_TRUE(rational) << rational.error().text;
-  EXPECT_GT(rational->worst_px, 0);
-  ExpectSamePlaces(camera, rational->lens);
+  const LensFit rational = Required(ToLens(camera));
+  EXPECT_GT(rational.worst_px, 0);
+  ExpectSamePlaces(camera, rational.lens);
   camera.distortion = {-0.01, 0.02, -0.01, 0.001};
   camera.is_fisheye = true;
   camera.k(0, 0) = camera.k(1, 1) = 800;
-  const Result<LensFit> fisheye = ToLens(camera);
-  ASSERT_TRUE(fisheye) << fisheye.error().text;
-  ExpectSamePlaces(camera, fisheye->lens);
+  const LensFit fisheye = Required(ToLens(camera));
+  ExpectSamePlaces(camera, fisheye.lens);
   // 130 degrees are beyond it.
   camera.k(0, 0) = camera.k(1, 1) = 290;
-  const Result<LensFit> wide = ToLens(camera);
-  ASSERT_FALSE(wide);
-  EXPECT_THAT(wide.error().text, HasSubstr("cam0: its fisheye distortion is up to "));
-  EXPECT_THAT(wide.error().text, HasSubstr("allowed are 0.1"));
+  const std::string error = WhyNot(ToLens(camera));
+  EXPECT_THAT(error, HasSubstr("cam0: its fisheye distortion is up to "));
+  EXPECT_THAT(error, HasSubstr("allowed are 0.1"));
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ class CalibrateProgram : public testing::Test {
     const auto add = [&](Part part, const PartValue& value) {
       events.push_back({.utime = id.utime,
                         .channel = "RAW_" + std::string(ChannelOf(part)),
-                        .data = EncodePart(id, part, value, DisparityEncoding::kRawInt16)});
+                        .data = EncodePart(id, part, value)});
     };
     add(Part::kLeft, images.left);
     add(Part::kRight, images.right);
@@ -103,12 +103,11 @@ TEST_F(CalibrateProgram, MakesARigFileAndAReportOfALog) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "rig.textproto"));
   const RigDescription rig = LoadRigFile(folder_ / "rig.not_good.textproto");
   EXPECT_EQ(rig.left().serial(), "42");
-  const std::optional<RawRig> found = CalibrationOf(rig);
-  ASSERT_TRUE(found);
-  EXPECT_NEAR(found->left.fx / rig_.left.fx, 1, 0.003);
-  EXPECT_NEAR(found->left_from_right.translation_m.x(), rig_.left_from_right.translation_m.x(),
+  const RawRig found = CalibrationOf(rig).value();
+  EXPECT_NEAR(found.left.fx / rig_.left.fx, 1, 0.003);
+  EXPECT_NEAR(found.left_from_right.translation_m.x(), rig_.left_from_right.translation_m.x(),
               0.0005);
-  EXPECT_NEAR(found->range_scale + found->range_offset_m, rig_.range_scale + rig_.range_offset_m,
+  EXPECT_NEAR(found.range_scale + found.range_offset_m, rig_.range_scale + rig_.range_offset_m,
               0.001);  // at 1 m
 
   const std::string report = FileText(folder_ / "report.html");

@@ -46,7 +46,7 @@ class CalibrateRefine : public testing::Test {
       events.push_back(
           {.utime = id.utime,
            .channel = std::string(rig ? "" : kRawPrefix) + std::string(ChannelOf(part)),
-           .data = EncodePart(id, part, value, DisparityEncoding::kRawInt16)});
+           .data = EncodePart(id, part, value)});
     };
     if (rig) add(Part::kRig, *rig);
     add(Part::kLeft, images.left);
@@ -93,9 +93,8 @@ TEST_F(CalibrateRefine, PutsARigRightFromUnrectifiedImagesAndKeepsItsDevices) {
 
 TEST_F(CalibrateRefine, FindsTheSameFromRectifiedImages) {
   const Rectifier rectifier(knocked_);
-  const auto images = RectifyImages(rectifier, images_);
-  ASSERT_TRUE(images);
-  const std::string log = WriteLog(*images, rectifier.rig());
+  const auto images = RectifyImages(rectifier, images_).value();
+  const std::string log = WriteLog(images, rectifier.rig());
 
   const MainOutcome outcome = Refine({log, "--rig", File("rig.textproto")});
 
@@ -113,10 +112,9 @@ TEST_F(CalibrateRefine, FindsTheSameFromRectifiedImages) {
 
 TEST_F(CalibrateRefine, TakesTheCalibrationInALogWithoutARigFile) {
   const Rectifier rectifier(rig_);
-  const auto images = RectifyImages(rectifier, images_);
-  ASSERT_TRUE(images);
+  const auto images = RectifyImages(rectifier, images_).value();
 
-  const MainOutcome outcome = Refine({WriteLog(*images, rectifier.rig())});
+  const MainOutcome outcome = Refine({WriteLog(images, rectifier.rig())});
 
   EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
   for (const double error : Left(RawRigOf(rectifier.rig()))) EXPECT_LT(std::abs(error), 0.003);
