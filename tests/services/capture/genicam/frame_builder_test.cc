@@ -72,14 +72,13 @@ class Former : public testing::Test {
 };
 
 TEST_F(Former, GivesTheMiddleOfTheExposureInTheHostsTime) {
-  const std::optional<scenes::CapturedFrame> frame = Take(0);
-  ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->utime, kStartUtime + 4000 + 1000);  // and the way, which nobody can know
-  EXPECT_EQ(frame->spread_ms, 0);
-  EXPECT_EQ(frame->tof.depth_m.size(), cv::Size(3, 2));
-  EXPECT_EQ(frame->left.size(), cv::Size(5, 4));
-  EXPECT_EQ(frame->lost, 0);
-  EXPECT_EQ(frame->trouble, "");
+  const scenes::CapturedFrame frame = Take(0).value();
+  EXPECT_EQ(frame.utime, kStartUtime + 4000 + 1000);  // and the way, which nobody can know
+  EXPECT_EQ(frame.spread_ms, 0);
+  EXPECT_EQ(frame.tof.depth_m.size(), cv::Size(3, 2));
+  EXPECT_EQ(frame.left.size(), cv::Size(5, 4));
+  EXPECT_EQ(frame.lost, 0);
+  EXPECT_EQ(frame.trouble, "");
 }
 
 TEST_F(Former, CountsACaptureOnceWhicheverOfItsImagesIsLost) {
@@ -91,10 +90,9 @@ TEST_F(Former, CountsACaptureOnceWhicheverOfItsImagesIsLost) {
   EXPECT_FALSE(Take(2, {RigPlace::kLeft, RigPlace::kTof}));
   former_.Add(RigPlace::kLeft, Broken());
   former_.Add(RigPlace::kRight, Broken());
-  const std::optional<scenes::CapturedFrame> frame = Take(4);
-  ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->lost, 3);
-  EXPECT_EQ(frame->trouble,
+  const scenes::CapturedFrame frame = Take(4).value();
+  EXPECT_EQ(frame.lost, 3);
+  EXPECT_EQ(frame.trouble,
             "left camera (serial 1): image 7 has missing packets; right camera (serial 2): image 7 "
             "has missing packets");
   EXPECT_EQ(Take(5)->lost, 0);
@@ -110,11 +108,10 @@ TEST_F(Former, DoesNotCountWhatComesBeforeAllCamerasAreThere) {
 TEST_F(Former, GoesOnWithoutATofCameraThatIsGone) {
   Take(0);
   former_.Add(RigPlace::kTof, {.kind = CameraEvent::Kind::kGone, .text = "gone"});
-  const std::optional<scenes::CapturedFrame> frame = Take(1, {RigPlace::kLeft, RigPlace::kRight});
-  ASSERT_TRUE(frame);
-  EXPECT_TRUE(frame->tof.depth_m.empty());
-  EXPECT_EQ(frame->lost, 0);
-  EXPECT_EQ(frame->trouble, "ToF camera (serial 3): gone");
+  const scenes::CapturedFrame frame = Take(1, {RigPlace::kLeft, RigPlace::kRight}).value();
+  EXPECT_TRUE(frame.tof.depth_m.empty());
+  EXPECT_EQ(frame.lost, 0);
+  EXPECT_EQ(frame.trouble, "ToF camera (serial 3): gone");
 }
 
 TEST_F(Former, SaysWhyThereIsNoFrame) {
@@ -166,11 +163,10 @@ TEST_F(Former, TakesTheTimeFromTheDevicesClockWhereItCanBeRead) {
       if (place == RigPlace::kTof) event.image.arrived_utime += 150'000;
       former_.Add(place, std::move(event));
     }
-    const auto frame = former_.Next(kStartUtime + i * kPeriodUs + 200'000);
-    ASSERT_TRUE(frame);
-    EXPECT_EQ(frame->utime, kStartUtime + i * kPeriodUs + 4000);
-    EXPECT_EQ(frame->spread_ms, 0);
-    EXPECT_FALSE(frame->tof.depth_m.empty());
+    const auto frame = former_.Next(kStartUtime + i * kPeriodUs + 200'000).value();
+    EXPECT_EQ(frame.utime, kStartUtime + i * kPeriodUs + 4000);
+    EXPECT_EQ(frame.spread_ms, 0);
+    EXPECT_FALSE(frame.tof.depth_m.empty());
   }
 }
 
@@ -220,10 +216,9 @@ TEST(FormerWithPtp, HasOneClockForAllCameras) {
     if (place == RigPlace::kTof) event.image.arrived_utime += 40'000;
     former.Add(place, std::move(event));
   }
-  const std::optional<scenes::CapturedFrame> frame = former.Next(kStartUtime + 60'000);
-  ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->spread_ms, 0);
-  EXPECT_FALSE(frame->tof.depth_m.empty());
+  const scenes::CapturedFrame frame = former.Next(kStartUtime + 60'000).value();
+  EXPECT_EQ(frame.spread_ms, 0);
+  EXPECT_FALSE(frame.tof.depth_m.empty());
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include "common/config/required.h"
+
 namespace sprout::capture {
 namespace {
 
@@ -20,20 +22,18 @@ PayloadPart PartOf(PixelFormat format, int width, int height, const std::vector<
 
 TEST(Pixels, GreyIsCopied) {
   std::vector<uint8_t> bytes = {1, 2, 3, 4, 5, 6};
-  const Result<cv::Mat> image = ToImage(PartOf(PixelFormat::kMono8, 3, 2, bytes));
-  ASSERT_TRUE(image);
+  const cv::Mat image = Required(ToImage(PartOf(PixelFormat::kMono8, 3, 2, bytes)));
   bytes.assign(6, 0);
-  EXPECT_EQ(image->type(), CV_8UC1);
-  EXPECT_EQ(image->at<uint8_t>(1, 2), 6);
+  EXPECT_EQ(image.type(), CV_8UC1);
+  EXPECT_EQ(image.at<uint8_t>(1, 2), 6);
 }
 
 TEST(Pixels, PaddingBehindRowsIsLeftOut) {
   const std::vector<uint8_t> bytes = {1, 2, 3, 99, 4, 5, 6};
   PayloadPart part = PartOf(PixelFormat::kMono8, 3, 2, bytes);
   part.row_padding = 1;
-  const Result<cv::Mat> image = ToImage(part);
-  ASSERT_TRUE(image);
-  EXPECT_EQ(image->at<uint8_t>(1, 0), 4);
+  const cv::Mat image = Required(ToImage(part));
+  EXPECT_EQ(image.at<uint8_t>(1, 0), 4);
 }
 
 TEST(Pixels, ColoursBecomeBgr) {
@@ -58,11 +58,10 @@ TEST(Pixels, BayerPatternsOfOneColourBecomeThatColour) {
     for (size_t v = 0; v < 8; ++v) {
       for (size_t u = 0; u < 10; ++u) bytes.push_back(order[v % 2 * 2 + u % 2]);
     }
-    const Result<cv::Mat> image = ToImage(PartOf(format, 10, 8, bytes));
-    ASSERT_TRUE(image);
+    const cv::Mat image = Required(ToImage(PartOf(format, 10, 8, bytes)));
     for (int v = 0; v < 8; ++v) {
       for (int u = 0; u < 10; ++u) {
-        EXPECT_EQ(image->at<cv::Vec3b>(v, u), cv::Vec3b(50, 100, 200))
+        EXPECT_EQ(image.at<cv::Vec3b>(v, u), cv::Vec3b(50, 100, 200))
             << PixelFormatName(static_cast<uint32_t>(format)) << " " << u << "," << v;
       }
     }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "common/config/required.h"
 #include "common/geometry/lens.h"
 
 namespace sprout::capture {
@@ -33,14 +34,13 @@ PayloadPart Part(PixelFormat format, int width, int height, const std::vector<ui
 TEST(Scan3d, NumbersBecomeMetres) {
   const auto bytes = Bytes<uint16_t>({0, 4000, 8000, 65535});
   const Scan3d scan3d{.scale = 0.25, .offset = 10, .unit_m = 1e-3, .invalid = 65535};
-  const Result<TofImage> image =
-      ToTofImage(std::vector{Part(PixelFormat::kCoord3dC16, 2, 2, bytes)}, scan3d);
-  ASSERT_TRUE(image);
-  EXPECT_EQ(image->depth_m(0, 0), 0.01F);
-  EXPECT_EQ(image->depth_m(0, 1), 1.01F);
-  EXPECT_EQ(image->depth_m(1, 0), 2.01F);
-  EXPECT_EQ(image->depth_m(1, 1), 0.0F);
-  EXPECT_TRUE(image->amplitude.empty());
+  const TofImage image =
+      Required(ToTofImage(std::vector{Part(PixelFormat::kCoord3dC16, 2, 2, bytes)}, scan3d));
+  EXPECT_EQ(image.depth_m(0, 0), 0.01F);
+  EXPECT_EQ(image.depth_m(0, 1), 1.01F);
+  EXPECT_EQ(image.depth_m(1, 0), 2.01F);
+  EXPECT_EQ(image.depth_m(1, 1), 0.0F);
+  EXPECT_TRUE(image.amplitude.empty());
 }
 
 TEST(Scan3d, TheLargestCountIsNoReturnEvenWhereTheDeviceNamesAnother) {
@@ -62,29 +62,26 @@ TEST(Scan3d, TheLargestCountIsNoReturnEvenWhereTheDeviceNamesAnother) {
 
 TEST(Scan3d, TheIntensityBesideCIsTheAmplitude) {
   const auto bytes = Bytes<uint16_t>({1, 2, 3000, 700, 4, 5, 65535, 65535});
-  const Result<TofImage> image =
-      ToTofImage(std::vector{Part(PixelFormat::kCoord3dAbcy16, 2, 1, bytes)},
-                 {.scale = 0.5, .invalid = 65535});
-  ASSERT_TRUE(image);
-  EXPECT_EQ(image->depth_m(0, 0), 1.5F);
-  EXPECT_EQ(image->depth_m(0, 1), 0.0F);
-  EXPECT_EQ(image->amplitude(0, 0), 700.0F);
-  EXPECT_EQ(image->amplitude(0, 1), 65535.0F);
+  const TofImage image =
+      Required(ToTofImage(std::vector{Part(PixelFormat::kCoord3dAbcy16, 2, 1, bytes)},
+                          {.scale = 0.5, .invalid = 65535}));
+  EXPECT_EQ(image.depth_m(0, 0), 1.5F);
+  EXPECT_EQ(image.depth_m(0, 1), 0.0F);
+  EXPECT_EQ(image.amplitude(0, 0), 700.0F);
+  EXPECT_EQ(image.amplitude(0, 1), 65535.0F);
 }
 
 TEST(Scan3d, CIsTheLastOfThreeCoordinates) {
   const auto integers = Bytes<uint16_t>({1, 2, 3000, 4, 5, 6000});
   const auto floats = Bytes<float>({1, 2, 3000, 4, 5, std::numeric_limits<float>::quiet_NaN()});
-  const Result<TofImage> first =
-      ToTofImage(std::vector{Part(PixelFormat::kCoord3dAbc16, 2, 1, integers)}, {});
-  ASSERT_TRUE(first);
-  EXPECT_EQ(first->depth_m(0, 0), 3.0F);
-  EXPECT_EQ(first->depth_m(0, 1), 6.0F);
-  const Result<TofImage> second =
-      ToTofImage(std::vector{Part(PixelFormat::kCoord3dAbc32f, 2, 1, floats)}, {});
-  ASSERT_TRUE(second);
-  EXPECT_EQ(second->depth_m(0, 0), 3.0F);
-  EXPECT_EQ(second->depth_m(0, 1), 0.0F);
+  const TofImage first =
+      Required(ToTofImage(std::vector{Part(PixelFormat::kCoord3dAbc16, 2, 1, integers)}, {}));
+  EXPECT_EQ(first.depth_m(0, 0), 3.0F);
+  EXPECT_EQ(first.depth_m(0, 1), 6.0F);
+  const TofImage second =
+      Required(ToTofImage(std::vector{Part(PixelFormat::kCoord3dAbc32f, 2, 1, floats)}, {}));
+  EXPECT_EQ(second.depth_m(0, 0), 3.0F);
+  EXPECT_EQ(second.depth_m(0, 1), 0.0F);
 }
 
 TEST(Scan3d, PartsOfAMultipartPayloadAreToldApart) {
@@ -93,37 +90,33 @@ TEST(Scan3d, PartsOfAMultipartPayloadAreToldApart) {
   const auto confidence = Bytes<uint16_t>({7, 0, 9, 9});
   const auto confidence8 = Bytes<uint8_t>({7, 0, 9, 9});
   // In any order; the amplitude counts before the confidence.
-  const Result<TofImage> all = ToTofImage(
+  const TofImage all = Required(ToTofImage(
       std::vector{Part(PixelFormat::kMono16, 2, 2, amplitude, PartContent::kImage),
                   Part(PixelFormat::kConfidence16, 2, 2, confidence, PartContent::kConfidence),
                   Part(PixelFormat::kCoord3dC16, 2, 2, range, PartContent::kRange)},
-      {});
-  ASSERT_TRUE(all);
-  EXPECT_EQ(all->depth_m(0, 0), 1.0F);
-  EXPECT_EQ(all->depth_m(0, 1), 0.0F) << "confidence 0";
-  EXPECT_EQ(all->amplitude(1, 1), 40.0F);
-  const Result<TofImage> two =
-      ToTofImage(std::vector{Part(PixelFormat::kCoord3dC16, 2, 2, range),
-                             Part(PixelFormat::kConfidence8, 2, 2, confidence8)},
-                 {});
-  ASSERT_TRUE(two);
-  EXPECT_EQ(two->amplitude(0, 0), 7.0F);
+      {}));
+  EXPECT_EQ(all.depth_m(0, 0), 1.0F);
+  EXPECT_EQ(all.depth_m(0, 1), 0.0F) << "confidence 0";
+  EXPECT_EQ(all.amplitude(1, 1), 40.0F);
+  const TofImage two =
+      Required(ToTofImage(std::vector{Part(PixelFormat::kCoord3dC16, 2, 2, range),
+                                      Part(PixelFormat::kConfidence8, 2, 2, confidence8)},
+                          {}));
+  EXPECT_EQ(two.amplitude(0, 0), 7.0F);
 }
 
 TEST(Scan3d, Mono16HoldsRangesWhenNothingElseDoes) {
   const auto range = Bytes<uint16_t>({1000, 2000});
   const auto confidence = Bytes<uint16_t>({1, 1});
-  const Result<TofImage> alone =
-      ToTofImage(std::vector{Part(PixelFormat::kMono16, 2, 1, range)}, {});
-  ASSERT_TRUE(alone);
-  EXPECT_EQ(alone->depth_m(0, 1), 2.0F);
-  const Result<TofImage> two = ToTofImage(
+  const TofImage alone =
+      Required(ToTofImage(std::vector{Part(PixelFormat::kMono16, 2, 1, range)}, {}));
+  EXPECT_EQ(alone.depth_m(0, 1), 2.0F);
+  const TofImage two = Required(ToTofImage(
       std::vector{Part(PixelFormat::kMono16, 2, 1, range, PartContent::kRange),
                   Part(PixelFormat::kMono16, 2, 1, confidence, PartContent::kConfidence)},
-      {});
-  ASSERT_TRUE(two);
-  EXPECT_EQ(two->depth_m(0, 0), 1.0F);
-  EXPECT_EQ(two->amplitude(0, 0), 1.0F);
+      {}));
+  EXPECT_EQ(two.depth_m(0, 0), 1.0F);
+  EXPECT_EQ(two.amplitude(0, 0), 1.0F);
   EXPECT_THAT(
       ToTofImage(std::vector{Part(PixelFormat::kMono16, 2, 1, range, PartContent::kImage)}, {})
           .error()

@@ -65,9 +65,8 @@ TEST(TripletSynchronizer, WaitsForTheTofImageForALimitedTime) {
   former.Push(RigPlace::kLeft, At(kStart));
   former.Push(RigPlace::kRight, At(kStart));
   EXPECT_FALSE(former.Next(kStart + 300'000));
-  const std::optional<Triplet> triplet = former.Next(kStart + 300'001);
-  ASSERT_TRUE(triplet);
-  EXPECT_FALSE(triplet->tof);
+  const Triplet triplet = former.Next(kStart + 300'001).value();
+  EXPECT_FALSE(triplet.tof);
 }
 
 TEST(TripletSynchronizer, WaitsNoMoreForATofCameraThatIsSilentUntilItGivesAnImage) {
@@ -103,9 +102,8 @@ TEST(TripletSynchronizer, DoesNotWaitOnceALaterTofImageIsThere) {
   former.Push(RigPlace::kLeft, At(kStart));
   former.Push(RigPlace::kRight, At(kStart));
   former.Push(RigPlace::kTof, At(kStart + kPeriod));
-  const std::optional<Triplet> triplet = former.Next(kStart);
-  ASSERT_TRUE(triplet);
-  EXPECT_FALSE(triplet->tof);
+  const Triplet triplet = former.Next(kStart).value();
+  EXPECT_FALSE(triplet.tof);
   EXPECT_EQ(former.unpaired(RigPlace::kTof), 0);
 }
 
