@@ -1,5 +1,6 @@
 #pragma once
 
+#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <Eigen/Geometry>
@@ -78,6 +79,12 @@ T Unwrap(Result<T> result) {
 
 /// A rotation from None (there is none), 4 numbers (w, x, y, z) or (3, 3).
 Eigen::Quaternion<double, Eigen::DontAlign> TakeRotation(const py::handle& rotation);
+
+/// (3, 3) of a camera with square pixels.
+inline py::array_t<double> Intrinsics(double focal_px, double cx, double cy) {
+  const double rows[3][3] = {{focal_px, 0, cx}, {0, focal_px, cy}, {0, 0, 1}};
+  return py::array_t<double>({3, 3}, &rows[0][0]);
+}
 
 /// Held while an object works that serves one thread at a time.
 class Turn {

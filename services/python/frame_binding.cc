@@ -15,6 +15,7 @@ namespace sprout::python {
 namespace {
 
 namespace fs = std::filesystem;
+using namespace py::literals;  // NOLINT: of _a there is no other
 
 constexpr std::string_view kChannelStart = "SPROUT_";
 
@@ -96,41 +97,33 @@ py::object SeedArray(const std::optional<SeedSet>& set) {
 py::object SeedCounts(const PyFrame& frame) {
   if (!frame.frame.seeds) return py::none();
   const SeedSet& set = *frame.frame.seeds;
-  py::dict counts;
-  counts["raw"] = set.raw;
-  counts["outside"] = set.outside;
-  counts["dark"] = set.dark;
-  counts["loose"] = set.loose;
-  counts["background"] = set.background;
-  counts["hidden"] = set.hidden;
-  counts["contradicted"] = set.contradicted;
-  return counts;
+  return py::dict("raw"_a = set.raw, "outside"_a = set.outside, "dark"_a = set.dark,
+                  "loose"_a = set.loose, "background"_a = set.background, "hidden"_a = set.hidden,
+                  "contradicted"_a = set.contradicted);
 }
 
 py::object DepthCountsOf(const PyFrame& frame) {
   if (!frame.frame.depth_counts) return py::none();
-  const DepthCounts& of_rules = *frame.frame.depth_counts;
-  py::dict counts;
-  counts["pixels"] = of_rules.pixels;
-  counts["near"] = of_rules.near;
-  counts["far"] = of_rules.far;
-  counts["outside"] = of_rules.outside;
-  counts["unsure"] = of_rules.unsure;
-  counts["flying"] = of_rules.flying;
-  return counts;
+  const DepthCounts& counts = *frame.frame.depth_counts;
+  return py::dict("pixels"_a = counts.pixels, "near"_a = counts.near, "far"_a = counts.far,
+                  "outside"_a = counts.outside, "unsure"_a = counts.unsure,
+                  "flying"_a = counts.flying);
 }
 
 // (N, 3) float32.
-py::object PositionsOf(const std::optional<PointCloud>& cloud) {
-  if (!cloud) return py::none();
-  cv::Mat1f positions(static_cast<int>(cloud->points.size()), 3);
-  for (int i = 0; i < positions.rows; ++i) {
-    const cv::Point3f& p = cloud->points[static_cast<size_t>(i)].position_m;
-    positions(i, 0) = p.x;
-    positions(i, 1) = p.y;
-    positions(i, 2) = p.z;
+py::array_t<float> PositionsOf(const PointCloud& cloud) {
+  py::array_t<float> positions({static_cast<int>(cloud.points.size()), 3});
+  float* to = positions.mutable_data();
+  for (const CloudPoint& point : cloud.points) {
+    for (const float value : {point.position_m.x, point.position_m.y, point.position_m.z}) {
+      *to++ = value;
+    }
   }
-  return ToArray(positions);
+  return positions;
+}
+
+py::object PositionsOf(const std::optional<PointCloud>& cloud) {
+  return cloud ? py::object(PositionsOf(*cloud)) : py::none();
 }
 
 template <typename T>
@@ -169,18 +162,12 @@ py::object Points(const PyFrame& frame, bool colors) {
     const cv::Mat left = colors ? parts.left : cv::Mat(cv::Mat1b::zeros(map.size()));
     cloud = depth::CloudOf(map, parts.rig->pair, left, {}, {});
   }
-  const auto count = static_cast<int>(cloud.points.size());
-  py::array_t<float> positions({count, 3});
-  py::array_t<uint8_t> bgr({colors ? count : 0, 3});
-  float* position = positions.mutable_data();
-  uint8_t* colour = bgr.mutable_data();
-  for (const CloudPoint& point : cloud.points) {
-    *position++ = point.position_m.x;
-    *position++ = point.position_m.y;
-    *position++ = point.position_m.z;
-    if (colors) colour = std::copy_n(point.bgr.val, 3, colour);
-  }
-  return colors ? py::object(py::make_tuple(positions, bgr)) : py::object(positions);
+  const py::object positions = PositionsOf(cloud);
+  if (!colors) return positions;
+  py::array_t<uint8_t> bgr({static_cast<int>(cloud.points.size()), 3});
+  uint8_t* to = bgr.mutable_data();
+  for (const CloudPoint& point : cloud.points) to = std::copy_n(point.bgr.val, 3, to);
+  return py::make_tuple(positions, bgr);
 }
 
 void WritePly(const PyFrame& frame, const fs::path& path, bool mesh) {
@@ -204,10 +191,7 @@ py::object IntrinsicsOf(const PyFrame& frame) {
   const bool from_map = HasMapOfRig(parts);
   if (!from_map && !parts.depth) return py::none();
   if (from_map) return py::cast(*parts.rig).attr("K");
-  const DepthImage& depth = *parts.depth;
-  const double rows[3][3] = {
-      {depth.focal_px, 0, depth.cx}, {0, depth.focal_px, depth.cy}, {0, 0, 1}};
-  return py::array_t<double>({3, 3}, &rows[0][0]);
+  return Intrinsics(parts.depth->focal_px, parts.depth->cx, parts.depth->cy);
 }
 
 std::vector<std::string> PartNames(const PyFrame& frame) {

@@ -15,6 +15,7 @@ namespace sprout::python {
 namespace {
 
 namespace fs = std::filesystem;
+using namespace py::literals;  // NOLINT: of _a there is no other
 using Distortion = std::array<double, 5>;
 
 std::string NumberText(double number) { return py::repr(py::float_(number)); }
@@ -27,17 +28,8 @@ Rig Checked(const Rig& rig) {
 TofCamera MakeTof(int width, int height, double fx, double fy, double cx, double cy,
                   const Distortion& distortion, const py::object& rotation,
                   const std::array<double, 3>& translation_m) {
-  TofCamera tof;
-  tof.width = width;
-  tof.height = height;
-  tof.fx = fx;
-  tof.fy = fy;
-  tof.cx = cx;
-  tof.cy = cy;
-  tof.distortion = distortion;
-  tof.left_from_tof_rotation = TakeRotation(rotation);
-  tof.left_from_tof_translation_m = {translation_m[0], translation_m[1], translation_m[2]};
-  return tof;
+  return TofCameraOf({width, height, fx, fy, cx, cy, distortion},
+                     {TakeRotation(rotation), Eigen::Vector3d(translation_m.data())});
 }
 
 Rig MakeRig(int width, int height, double focal_px, double baseline_m, std::optional<double> cx,
@@ -77,45 +69,29 @@ Rig FromQ(const py::object& q, int width, int height) {
 
 py::array_t<double> QOf(const Rig& rig) {
   const RectifiedPair& pair = rig.pair;
-  py::array_t<double> q({4, 4});
-  std::fill_n(q.mutable_data(), 16, 0.0);
-  q.mutable_at(0, 0) = q.mutable_at(1, 1) = 1;
-  q.mutable_at(0, 3) = -pair.cx;
-  q.mutable_at(1, 3) = -pair.cy;
-  q.mutable_at(2, 3) = pair.focal_px;
-  q.mutable_at(3, 2) = 1 / pair.baseline_m;
-  q.mutable_at(3, 3) = (pair.cx_right - pair.cx) / pair.baseline_m;
-  return q;
+  const double rows[4][4] = {
+      {1, 0, 0, -pair.cx},
+      {0, 1, 0, -pair.cy},
+      {0, 0, 0, pair.focal_px},
+      {0, 0, 1 / pair.baseline_m, (pair.cx_right - pair.cx) / pair.baseline_m}};
+  return py::array_t<double>({4, 4}, &rows[0][0]);
 }
 
 py::dict DictOf(const TofCamera& tof) {
   const auto& q = tof.left_from_tof_rotation;
   const auto& t = tof.left_from_tof_translation_m;
-  py::dict dict;
-  dict["width"] = tof.width;
-  dict["height"] = tof.height;
-  dict["fx"] = tof.fx;
-  dict["fy"] = tof.fy;
-  dict["cx"] = tof.cx;
-  dict["cy"] = tof.cy;
-  dict["distortion"] = py::cast(tof.distortion);
-  dict["rotation"] = py::make_tuple(q.w(), q.x(), q.y(), q.z());
-  dict["translation_m"] = py::make_tuple(t.x(), t.y(), t.z());
-  return dict;
+  return py::dict("width"_a = tof.width, "height"_a = tof.height, "fx"_a = tof.fx, "fy"_a = tof.fy,
+                  "cx"_a = tof.cx, "cy"_a = tof.cy, "distortion"_a = tof.distortion,
+                  "rotation"_a = py::make_tuple(q.w(), q.x(), q.y(), q.z()),
+                  "translation_m"_a = py::make_tuple(t.x(), t.y(), t.z()));
 }
 
 py::dict DictOf(const Rig& rig) {
   const RectifiedPair& pair = rig.pair;
-  py::dict dict;
-  dict["width"] = pair.width;
-  dict["height"] = pair.height;
-  dict["focal_px"] = pair.focal_px;
-  dict["baseline_m"] = pair.baseline_m;
-  dict["cx"] = pair.cx;
-  dict["cy"] = pair.cy;
-  dict["cx_right"] = pair.cx_right;
-  dict["tof"] = rig.tof.width > 0 ? py::object(DictOf(rig.tof)) : py::none();
-  return dict;
+  return py::dict("width"_a = pair.width, "height"_a = pair.height, "focal_px"_a = pair.focal_px,
+                  "baseline_m"_a = pair.baseline_m, "cx"_a = pair.cx, "cy"_a = pair.cy,
+                  "cx_right"_a = pair.cx_right,
+                  "tof"_a = rig.tof.width > 0 ? py::object(DictOf(rig.tof)) : py::none());
 }
 
 // Through the constructor, which names a key that is missing, or one that there is not.
@@ -141,22 +117,16 @@ py::tuple ReduceTo(const char* type, const py::dict& dict) {
                         py::make_tuple(py::module_::import("sprout._sprout").attr(type)));
 }
 
-std::string Repr(const TofCamera& tof) {
+// Of what DictOf() gives.
+std::string Repr(const std::string& type, const py::dict& dict) {
   std::string text;
-  for (const auto& [key, value] : DictOf(tof)) {
-    text +=
-        (text.empty() ? "" : ", ") + std::string(py::str(key)) + "=" + std::string(py::repr(value));
+  for (const auto& [key, value] : dict) {
+    text += (text.empty() ? "" : ", ") + std::string(py::str(key)) + "=";
+    text += py::isinstance<py::dict>(value)
+                ? Repr("TofCamera", py::reinterpret_borrow<py::dict>(value))
+                : std::string(py::repr(value));
   }
-  return "TofCamera(" + text + ")";
-}
-
-std::string Repr(const Rig& rig) {
-  const RectifiedPair& p = rig.pair;
-  return "Rig(width=" + std::to_string(p.width) + ", height=" + std::to_string(p.height) +
-         ", focal_px=" + NumberText(p.focal_px) + ", baseline_m=" + NumberText(p.baseline_m) +
-         ", cx=" + NumberText(p.cx) + ", cy=" + NumberText(p.cy) +
-         ", cx_right=" + NumberText(p.cx_right) +
-         ", tof=" + (rig.tof.width > 0 ? Repr(rig.tof) : "None") + ")";
+  return type + "(" + text + ")";
 }
 
 bool SameRig(const Rig& rig, const py::object& other) {
@@ -166,17 +136,6 @@ bool SameRig(const Rig& rig, const py::object& other) {
 Rig WithTof(Rig rig, const TofCamera& tof) {
   rig.tof = tof;
   return Checked(rig);
-}
-
-py::array_t<double> Intrinsics(double fx, double fy, double cx, double cy) {
-  py::array_t<double> k({3, 3});
-  std::fill_n(k.mutable_data(), 9, 0.0);
-  k.mutable_at(0, 0) = fx;
-  k.mutable_at(1, 1) = fy;
-  k.mutable_at(0, 2) = cx;
-  k.mutable_at(1, 2) = cy;
-  k.mutable_at(2, 2) = 1;
-  return k;
 }
 
 void BindTofCamera(py::module_& module) {
@@ -215,7 +174,8 @@ point_in_left = rotation * point_in_tof + translation_m (m; x right, y down, z f
           "from_dict", [](const py::dict& dict) { return FromDict("TofCamera", dict); },
           py::arg("dict"), "from_dict(dict: Dict[str, Any]) -> TofCamera")
       .def(
-          "__repr__", [](const TofCamera& tof) { return Repr(tof); }, "__repr__(self) -> str")
+          "__repr__", [](const TofCamera& tof) { return Repr("TofCamera", DictOf(tof)); },
+          "__repr__(self) -> str")
       .def("__reduce__", [](const TofCamera& tof) { return ReduceTo("TofCamera", DictOf(tof)); });
 }
 
@@ -332,10 +292,7 @@ The same pair with a range camera that shows what the left one shows, at this re
           "str: digest, equal for equal numbers on every machine.")
       .def_property_readonly(
           "K",
-          [](const Rig& rig) {
-            const RectifiedPair& pair = rig.pair;
-            return Intrinsics(pair.focal_px, pair.focal_px, pair.cx, pair.cy);
-          },
+          [](const Rig& rig) { return Intrinsics(rig.pair.focal_px, rig.pair.cx, rig.pair.cy); },
           "numpy.ndarray: (3, 3) float64, intrinsics of the left image and of its depth, px.")
       .def_property_readonly("Q", &QOf,
                              "numpy.ndarray: (4, 4) float64, as cv2.reprojectImageTo3D() takes it.")
@@ -344,7 +301,8 @@ The same pair with a range camera that shows what the left one shows, at this re
           "__hash__", [](const Rig& rig) { return py::hash(py::str(RigId(rig))); },
           "__hash__(self) -> int")
       .def(
-          "__repr__", [](const Rig& rig) { return Repr(rig); }, "__repr__(self) -> str")
+          "__repr__", [](const Rig& rig) { return Repr("Rig", DictOf(rig)); },
+          "__repr__(self) -> str")
       .def("__reduce__", [](const Rig& rig) { return ReduceTo("Rig", DictOf(rig)); });
 }
 
