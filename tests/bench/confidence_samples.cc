@@ -5,10 +5,12 @@
 #include <iostream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <random>
 #include <string>
 
 #include "common/core/image.h"
+#include "common/core/number_text.h"
 #include "services/grow/confidence/confidence.h"
 #include "services/tools/evaluate/chain.h"
 #include "services/tools/evaluate/scene.h"
@@ -16,30 +18,31 @@
 namespace sprout::evaluate {
 namespace {
 
-constexpr int kSamples = 3000;  // a scene
+constexpr int kSamples = 1000;  // a scene
 
-// As poorer cameras give it.
+// As poorer cameras give it: "good", or a fault and how much of it, as in "jpeg:10".
 cv::Mat Worse(const cv::Mat& image, const std::string& how) {
+  if (how == "good") return image;
+  const size_t colon = how.find(':');
+  const std::string fault = how.substr(0, colon);
+  const std::optional<double> much =
+      colon == std::string::npos ? std::nullopt : ParseNumber<double>(how.substr(colon + 1));
   cv::Mat worse;
-  if (how == "clipped") {
-    image.convertTo(worse, -1, 2);
-  } else if (how == "dark") {
-    image.convertTo(worse, -1, 0.125);
-  } else if (how == "blurred") {
-    cv::GaussianBlur(image, worse, {}, 2);
-  } else if (how == "noisy") {
+  if (much && fault == "light") {
+    image.convertTo(worse, -1, *much);
+  } else if (much && fault == "blur") {
+    cv::GaussianBlur(image, worse, {}, *much);
+  } else if (much && fault == "noise") {
     cv::Mat noise(image.size(), CV_MAKETYPE(CV_16S, image.channels()));
-    cv::theRNG().fill(noise, cv::RNG::NORMAL, 0, 5);
+    cv::theRNG().fill(noise, cv::RNG::NORMAL, 0, *much);
     cv::add(image, noise, worse, {}, image.depth());
-  } else if (how == "jpeg") {
+  } else if (much && fault == "jpeg") {
     std::vector<uchar> bytes;
-    cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, 75});
+    cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, cvRound(*much)});
     worse = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
   } else {
-    if (how != "good") {
-      throw ConfigError(how + ": allowed are good, clipped, dark, blurred, noisy and jpeg images");
-    }
-    worse = image;
+    throw ConfigError(how +
+                      ": allowed are good, light:FACTOR, blur:PX, noise:LEVELS, jpeg:QUALITY");
   }
   return worse;
 }
@@ -76,7 +79,8 @@ void PrintScene(const std::string& row, const Scene& scene, const ChainSettings&
     const cv::Point block(u / grow::kBlockPx, v / grow::kBlockPx);
     std::cout << '\t' << int{features.tof_seed(block)} << '\t' << int{features.seed(block)} << '\t'
               << int{frame.prior->sigma(v / 2 * 2, u / 2 * 2)} << '\t' << int{features.gaps(cell)}
-              << '\t' << int{features.flat(cell)} << '\n';
+              << '\t' << int{features.flat(cell)} << '\t' << int{features.blank(cell)} << '\t'
+              << int{features.rough(block)} << '\n';
   }
 }
 

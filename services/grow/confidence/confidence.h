@@ -27,7 +27,7 @@ struct JudgedFrame {
 ///   d − d_true ~ (1 − p) · N(0, σ²) + p · wide.                                           (C1)
 ///
 /// p, the probability of an error > 1 px, is logistic, and σ, which 68 % of the errors do not
-/// exceed, log-linear in curves of ten features (README, C2 and C3), whose numbers
+/// exceed, log-linear in curves of twelve features (README, C2 and C3), whose numbers
 /// scripts/tune_confidence fits to scenes with ground truth.
 class ConfidenceEstimator {
  public:
@@ -51,10 +51,12 @@ class ConfidenceEstimator {
  private:
   void Prepare(cv::Size size);
   void SpreadSeeds(std::span<const Seed> seeds);
+  void AverageBends();
 
   const ConfidenceTables& tables_;
   ConfidenceFeatures features_;
   std::vector<uint8_t> edge_memory_, seed_memory_;
+  std::vector<int32_t> column_sums_;  // of bends
   Judgement judgement_;
 };
 

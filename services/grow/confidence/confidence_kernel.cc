@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "services/grow/confidence/confidence_kernel.cc"
@@ -38,6 +39,23 @@ void FindRangeOfRows(const DisparityImage& map, int v, int16_t* HWY_RESTRICT mos
   }
 }
 
+// |d(x − 2) + d(x + 2) − 2·d(x)|, and the same over the rows.
+void WriteBends(const DisparityImage& map, int y, int cells, uint8_t* HWY_RESTRICT bends) {
+  const int last = (map.height() - 1) / kCellPx;
+  const int16_t* HWY_RESTRICT row = map.counts()[kCellPx * y];
+  const int16_t* HWY_RESTRICT above = map.counts()[kCellPx * std::max(y - 2, 0)];
+  const int16_t* HWY_RESTRICT below = map.counts()[kCellPx * std::min(y + 2, last)];
+  const auto bend = [&](int x, int before, int behind) HWY_ATTR {
+    const int twice = 2 * row[2 * x];
+    const int along = std::abs(row[2 * before] + row[2 * behind] - twice);
+    const int across = std::abs(above[2 * x] + below[2 * x] - twice);
+    return ToByte(LevelOf(along + across + 1));
+  };
+  for (int x = 0; x < std::min(2, cells); ++x) bends[x] = bend(x, 0, std::min(x + 2, cells - 1));
+  for (int x = 2; x < cells - 2; ++x) bends[x] = bend(x, x - 2, x + 2);
+  for (int x = std::max(2, cells - 2); x < cells; ++x) bends[x] = bend(x, x - 2, cells - 1);
+}
+
 void FindStepsOnTarget(const DisparityImage& filled, const cv::Range& rows,
                        ConfidenceFeatures& features) {
   const int width = filled.width();
@@ -59,6 +77,7 @@ void FindStepsOnTarget(const DisparityImage& filled, const cv::Range& rows,
       steps[x] = ToByte(LevelOf(range[kCellPx * x] + 1));
       edges[x] = steps[x] >= kEdgeLevel ? 255 : 0;
     }
+    WriteBends(filled, y, features.bend.cols, features.bend[y]);
   }
 }
 
@@ -96,10 +115,10 @@ class CellMatcher {
         warped_(static_cast<size_t>(cells_.width)),
         words_(static_cast<size_t>(cells_.width)) {
     const auto size = static_cast<size_t>(cells_.width + 2 * kRadius);
-    for (auto* rows : {&differences_, &energies_, &textures_, &margins_, &gaps_}) {
+    for (auto* rows : {&differences_, &energies_, &textures_, &margins_, &counts_}) {
       for (Ints& row : *rows) row.resize(size);
     }
-    for (Ints* sums : {&difference_, &energy_, &texture_, &margin_, &gap_}) sums->resize(size);
+    for (Ints* sums : {&difference_, &energy_, &texture_, &margin_, &count_}) sums->resize(size);
   }
 
   void Begin(int y) {
@@ -107,35 +126,43 @@ class CellMatcher {
   }
 
   // @pre called for one row after the other.
-  void WriteRow(int y, uint8_t* HWY_RESTRICT misfits, uint8_t* HWY_RESTRICT flats,
-                uint8_t* HWY_RESTRICT margins, uint8_t* HWY_RESTRICT gaps) {
+  void WriteRow(int y, ConfidenceFeatures& features) {
     Match(y + kRadius);
     AddRows(differences_, y, 1, difference_);
     AddRows(energies_, y, 1, energy_);
     AddRows(textures_, y, 1, texture_);
     AddRows(margins_, y, kRadius, margin_);
-    AddRows(gaps_, y, kRadius, gap_);
+    AddRows(counts_, y, kRadius, count_);
+    uint8_t* HWY_RESTRICT misfits = features.misfit[y];
+    uint8_t* HWY_RESTRICT flats = features.flat[y];
+    uint8_t* HWY_RESTRICT margins = features.margin[y];
+    uint8_t* HWY_RESTRICT gaps = features.gaps[y];
+    uint8_t* HWY_RESTRICT blanks = features.blank[y];
     const int32_t* HWY_RESTRICT difference = difference_.data() + kRadius;
     const int32_t* HWY_RESTRICT energy = energy_.data() + kRadius;
     const int32_t* HWY_RESTRICT texture = texture_.data() + kRadius;
     const int32_t* HWY_RESTRICT margin = margin_.data() + kRadius;
-    const int32_t* HWY_RESTRICT gap = gap_.data() + kRadius;
+    const int32_t* HWY_RESTRICT count = count_.data() + kRadius;
+    const auto all5 = [](const int32_t* row, int x) HWY_ATTR {
+      return row[x - 2] + row[x - 1] + row[x] + row[x + 1] + row[x + 2];
+    };
     for (int x = 0; x < cells_.width; ++x) {
       const int off = difference[x - 1] + difference[x] + difference[x + 1];
       const int all = energy[x - 1] + energy[x] + energy[x + 1];
       misfits[x] = ToByte(255 + LevelOf(off + 1) - LevelOf(all + 1));
       flats[x] = ToByte(kMostTexture - LevelOf(texture[x - 1] + texture[x] + texture[x + 1] + 9));
-      margins[x] =
-          ToByte(128 - margin[x - 2] - margin[x - 1] - margin[x] - margin[x + 1] - margin[x + 2]);
-      gaps[x] = static_cast<uint8_t>(kGapUnit *
-                                     (gap[x - 2] + gap[x - 1] + gap[x] + gap[x + 1] + gap[x + 2]));
+      margins[x] = ToByte(128 - all5(margin, x));
+      const int counts = kCountUnit * all5(count, x);
+      gaps[x] = static_cast<uint8_t>(counts);
+      blanks[x] = static_cast<uint8_t>(counts / kBlank);
     }
   }
 
  private:
-  static constexpr int kRadius = 2;         // of the windows of margin and gaps
+  static constexpr int kRadius = 2;         // of the windows of margin, gaps and blank
   static constexpr int kMostTexture = 307;  // LevelOf(9 · 255²)
-  static constexpr int kGapUnit = 10;       // 255 / number of cells in the window, rounded down
+  static constexpr int kCountUnit = 10;     // 255 / number of cells in the window, rounded down
+  static constexpr int kBlank = 1 << 16;    // beside a gap, which counts 1
   static constexpr int kReach = 1024 + 8;   // as far as a disparity leads, and a census word
   using Rows = std::array<Ints, 2 * kRadius + 1>;
 
@@ -152,7 +179,7 @@ class CellMatcher {
     int32_t* HWY_RESTRICT energy = energies_[place].data() + kRadius;
     int32_t* HWY_RESTRICT texture = textures_[place].data() + kRadius;
     int32_t* HWY_RESTRICT margin = margins_[place].data() + kRadius;
-    int32_t* HWY_RESTRICT gap = gaps_[place].data() + kRadius;
+    int32_t* HWY_RESTRICT count = counts_[place].data() + kRadius;
     const int16_t* HWY_RESTRICT grown = grown_.counts()[v];
     const uint8_t* HWY_RESTRICT left = left_[v];
     const uint8_t* HWY_RESTRICT census = left_census_.data();
@@ -163,14 +190,17 @@ class CellMatcher {
       const int r = warped[x];
       difference[x] = (l - r) * (l - r);
       energy[x] = l * l + r * r;
-      gap[x] = grown[2 * x] == DisparityImage::kInvalid ? 1 : 0;
+      count[x] = grown[2 * x] == DisparityImage::kInvalid ? 1 : 0;
     }
     for (int x = 1; x < cells_.width - 1; ++x) {
       const int slope = left[2 * x + 1] - left[2 * x - 1];
       texture[x] = slope * slope;
+      count[x] += slope == 0 ? kBlank : 0;
     }
-    texture[0] = texture[1];
-    texture[cells_.width - 1] = texture[cells_.width - 2];
+    for (const auto& [end, beside] : {std::pair(0, 1), {cells_.width - 1, cells_.width - 2}}) {
+      texture[end] = texture[beside];
+      count[end] = count[end] % kBlank + count[beside] / kBlank * kBlank;
+    }
     for (int x = 0; x < cells_.width; ++x) {
       // Numbers of bits of three bytes at once.
       uint32_t bits = words[x] ^ (census[2 * x] * 0x010101U);
@@ -182,7 +212,7 @@ class CellMatcher {
       const auto behind = static_cast<int32_t>(bits >> 16 & 15);
       margin[x] = std::min(before, behind) - here;
     }
-    for (int32_t* row : {difference, energy, texture, margin, gap}) {
+    for (int32_t* row : {difference, energy, texture, margin, count}) {
       for (int i = 1; i <= kRadius; ++i) {
         row[-i] = row[0];
         row[cells_.width - 1 + i] = row[cells_.width - 1];
@@ -230,26 +260,9 @@ class CellMatcher {
   Bytes left_census_, right_row_, right_census_;  // rows; right ones with zeros on either side
   Bytes warped_;                                  // of a row of cells
   std::vector<uint32_t> words_;
-  Rows differences_, energies_, textures_, margins_, gaps_;
-  Ints difference_, energy_, texture_, margin_, gap_;  // their sums over rows
+  Rows differences_, energies_, textures_, margins_, counts_;
+  Ints difference_, energy_, texture_, margin_, count_;  // their sums over rows
 };
-
-// |d(x − 2) + d(x + 2) − 2·d(x)|, and the same over the rows.
-void WriteBends(const DisparityImage& map, int y, int cells, uint8_t* HWY_RESTRICT bends) {
-  const int last = (map.height() - 1) / kCellPx;
-  const int16_t* HWY_RESTRICT row = map.counts()[kCellPx * y];
-  const int16_t* HWY_RESTRICT above = map.counts()[kCellPx * std::max(y - 2, 0)];
-  const int16_t* HWY_RESTRICT below = map.counts()[kCellPx * std::min(y + 2, last)];
-  const auto bend = [&](int x, int before, int behind) HWY_ATTR {
-    const int twice = 2 * row[2 * x];
-    const int along = std::abs(row[2 * before] + row[2 * behind] - twice);
-    const int across = std::abs(above[2 * x] + below[2 * x] - twice);
-    return ToByte(LevelOf(along + across + 1));
-  };
-  for (int x = 0; x < std::min(2, cells); ++x) bends[x] = bend(x, 0, std::min(x + 2, cells - 1));
-  for (int x = 2; x < cells - 2; ++x) bends[x] = bend(x, x - 2, x + 2);
-  for (int x = std::max(2, cells - 2); x < cells; ++x) bends[x] = bend(x, x - 2, cells - 1);
-}
 
 void MatchCellsOnTarget(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
                         const DisparityImage& filled, const cv::Range& rows,
@@ -257,8 +270,7 @@ void MatchCellsOnTarget(const cv::Mat1b& left, const cv::Mat1b& right, const Dis
   CellMatcher matcher(left, right, grown, filled);
   matcher.Begin(rows.start);
   for (int y = rows.start; y < rows.end; ++y) {
-    matcher.WriteRow(y, features.misfit[y], features.flat[y], features.margin[y], features.gaps[y]);
-    WriteBends(filled, y, features.bend.cols, features.bend[y]);
+    matcher.WriteRow(y, features);
   }
 }
 
@@ -285,12 +297,14 @@ void RateCellsOnTarget(const ConfidenceTables& tables, const ConfidenceFeatures&
   const int cells = features.step.cols;
   Bytes sure(static_cast<size_t>(cells)), spread(sure.size());
   Bytes twice(2 * sure.size()), unknown(2 * sure.size(), kMaxSigmaCounts);
-  std::vector<uint32_t> seeds(static_cast<size_t>(features.seed.cols));
+  std::vector<uint32_t> seeds(static_cast<size_t>(features.seed.cols));  // and roughness: of blocks
   for (int y = rows.start; y < rows.end; ++y) {
     const uint8_t* const tof_seed = features.tof_seed[y / 2];
     const uint8_t* const seed = features.seed[y / 2];
+    const uint8_t* const rough = features.rough[y / 2];
     for (size_t i = 0; i < seeds.size(); ++i) {
-      seeds[i] = tables.start + tables.tof_seed[tof_seed[i]] + tables.seed[seed[i]];
+      seeds[i] = tables.start + tables.tof_seed[tof_seed[i]] + tables.seed[seed[i]] +
+                 tables.rough[rough[i]];
     }
     const uint8_t* const step = features.step[y];
     const uint8_t* const bend = features.bend[y];
@@ -298,12 +312,14 @@ void RateCellsOnTarget(const ConfidenceTables& tables, const ConfidenceFeatures&
     const uint8_t* const flat = features.flat[y];
     const uint8_t* const margin = features.margin[y];
     const uint8_t* const gaps = features.gaps[y];
+    const uint8_t* const blank = features.blank[y];
     const uint8_t* const edge = features.edge[y];
     const uint8_t* const prior = sigma_prior.empty() ? unknown.data() : sigma_prior[kCellPx * y];
     for (int x = 0; x < cells; ++x) {
       const uint32_t sum = seeds[static_cast<size_t>(x / 2)] + tables.step[step[x]] +
                            tables.bend[bend[x]] + tables.misfit[misfit[x]] + tables.flat[flat[x]] +
-                           tables.margin[margin[x]] + tables.gaps[gaps[x]] + tables.edge[edge[x]] +
+                           tables.margin[margin[x]] + tables.gaps[gaps[x]] +
+                           tables.blank[blank[x]] + tables.edge[edge[x]] +
                            tables.prior[prior[2 * x]];
       sure[static_cast<size_t>(x)] = tables.ConfidenceOf(sum);
       spread[static_cast<size_t>(x)] = tables.SigmaOf(sum);

@@ -31,12 +31,14 @@ struct ConfidenceFeatures {
   cv::Mat1b flat;  ///< cells: what Σ(L(u + 1) − L(u − 1))² lacks of 255² each, 16 a factor of 2
   cv::Mat1b margin;    ///< cells: 128 − Σ margin of the census costs
   cv::Mat1b gaps;      ///< cells: 10 times the number of gaps in 5×5 cells
+  cv::Mat1b blank;     ///< cells: 10 times the number, in 5×5 cells, with L(u + 1) = L(u − 1)
   cv::Mat1b edge;      ///< cells: nearness of a step above 1 px
   cv::Mat1b tof_seed;  ///< blocks: nearness of a ToF seed
   cv::Mat1b seed;      ///< blocks: nearness of any seed
+  cv::Mat1b rough;     ///< blocks: mean bend of the 13×13 blocks around
 };
 
-/// Writes rows of cells of step, and of edge: 255 for a step above 1 px, else 0. Both have the
+/// Writes rows of cells of step, bend, and edge: 255 for a step above 1 px, else 0. They have the
 /// size.
 void FindSteps(const DisparityImage& filled, const cv::Range& rows, ConfidenceFeatures& features);
 
@@ -44,7 +46,7 @@ void FindSteps(const DisparityImage& filled, const cv::Range& rows, ConfidenceFe
 /// @param memory  two rows.
 void SpreadNearness(cv::Mat1b& marks, std::vector<uint8_t>& memory);
 
-/// Writes rows of cells of bend, misfit, flat, margin and gaps, which have the size.
+/// Writes rows of cells of misfit, flat, margin, gaps and blank, which have the size.
 /// @param left, right, grown  of the map's size; grown: before gap filling.
 void MatchCells(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
                 const DisparityImage& filled, const cv::Range& rows, ConfidenceFeatures& features);

@@ -15,8 +15,8 @@ using Values = google::protobuf::RepeatedField<int32_t>;
 
 constexpr int kKnotStep = 16;
 constexpr int kKnots = 256 / kKnotStep + 1;
-// Ten curves and the start stay below 2¹⁶.
-constexpr int kMost = 5600;
+// Twelve curves and the start stay below 2¹⁶.
+constexpr int kMost = 4700;
 
 // The level of each value of the feature: what the knots count.
 std::function<int(int)> LevelsOf(Curve::Feature feature) {
@@ -52,6 +52,10 @@ ConfidenceTables::Table& TableOf(Curve::Feature feature, ConfidenceTables& table
       return tables.tof_seed;
     case Curve::SEED:
       return tables.seed;
+    case Curve::BLANK:
+      return tables.blank;
+    case Curve::ROUGH:
+      return tables.rough;
     case Curve::PRIOR:
       break;
   }

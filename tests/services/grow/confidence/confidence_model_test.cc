@@ -20,8 +20,8 @@ const std::string kFalling = "16,15,14,13,12,11,10,9,8,7,6,5,4,3,2,1,0";
 
 std::string ModelText(const std::string& step = CurveText("STEP", kRising)) {
   std::string text = "doubt: -1024\nspread: 256\n" + step + CurveText("EDGE", kFalling);
-  for (const char* feature :
-       {"BEND", "MISFIT", "FLAT", "MARGIN", "GAPS", "TOF_SEED", "SEED", "PRIOR"}) {
+  for (const char* feature : {"BEND", "MISFIT", "FLAT", "MARGIN", "GAPS", "BLANK", "TOF_SEED",
+                              "SEED", "PRIOR", "ROUGH"}) {
     text += CurveText(feature, kRising);
   }
   return text;
@@ -48,8 +48,9 @@ TEST(LevelOf, IsSixteenTimesTheLogarithmRoundedDown) {
 TEST(ConfidenceModel, TheOneThatShipsLoadsAndNoCurveHasTheWrongSign) {
   const ConfidenceTables tables =
       ParseConfidenceModel(kConfidenceModelText, "confidence_model.textproto");
-  for (const auto* table : {&tables.step, &tables.bend, &tables.misfit, &tables.flat,
-                            &tables.margin, &tables.gaps, &tables.prior}) {
+  for (const auto* table :
+       {&tables.step, &tables.bend, &tables.misfit, &tables.flat, &tables.margin, &tables.gaps,
+        &tables.blank, &tables.prior, &tables.rough}) {
     for (size_t i = 1; i < table->size(); ++i) {
       ASSERT_LE((*table)[i - 1] >> 16, (*table)[i] >> 16);
       ASSERT_LE((*table)[i - 1] & 0xffff, (*table)[i] & 0xffff);
@@ -81,15 +82,15 @@ TEST(ConfidenceTables, AreProbabilityAndStandardDeviation) {
 
 TEST(ConfidenceModel, IsRefusedWithOneLineThatNamesWhatIsWrong) {
   EXPECT_EQ(ComplaintAbout(ModelText()), "no error");
-  EXPECT_THAT(ComplaintAbout(ModelText("")), HasSubstr("model: curves of 9 features; allowed"));
+  EXPECT_THAT(ComplaintAbout(ModelText("")), HasSubstr("model: curves of 11 features; allowed"));
   EXPECT_THAT(ComplaintAbout(ModelText() + CurveText("STEP", kRising)),
               HasSubstr("model: STEP: twice; allowed: once"));
   EXPECT_THAT(ComplaintAbout(ModelText(CurveText("STEP", "0, 1"))),
               HasSubstr("model: STEP.doubt: 2 values; allowed: 17"));
   EXPECT_THAT(ComplaintAbout(ModelText(CurveText("STEP", kFalling))),
               HasSubstr("model: STEP.doubt: 15 after 16; allowed: values that never fall"));
-  EXPECT_THAT(ComplaintAbout(ModelText(CurveText("STEP", kRising.substr(0, 37) + ",5601"))),
-              HasSubstr("model: STEP.doubt: 5601; allowed: 0 to 5600"));
+  EXPECT_THAT(ComplaintAbout(ModelText(CurveText("STEP", kRising.substr(0, 37) + ",4701"))),
+              HasSubstr("model: STEP.doubt: 4701; allowed: 0 to 4700"));
   EXPECT_THAT(ComplaintAbout("doubt: 5000"), HasSubstr("model.doubt = 5000: out of range"));
   EXPECT_THAT(ComplaintAbout("nonsense"), HasSubstr("model:1:"));
   for (const std::string& bad : {ModelText(""), std::string("doubt: 5000"), std::string("{")}) {

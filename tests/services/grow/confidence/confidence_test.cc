@@ -83,6 +83,8 @@ TEST(Confidence, IsLowerWhereTheImagesDoNotFit) {
 
 TEST(Confidence, IsLowerWhereBothImagesAreDark) {
   JudgedScene scene;
+  scene.sigma_prior = kMaxSigmaCounts;  // far from sure, where a small doubt more can be seen
+  scene.seeds.clear();
   const auto bright = scene.Judge();
   scene.left = scene.left / 32;  // matches as well
   scene.right = scene.right / 32;
@@ -92,6 +94,7 @@ TEST(Confidence, IsLowerWhereBothImagesAreDark) {
 TEST(Confidence, IsLowerBesideStepsOfMoreThanOnePixel) {
   JudgedScene scene;
   scene.right = uint8_t{128};  // nothing there that fits
+  scene.sigma_prior = kMaxSigmaCounts;
   const auto judge = [&](int step_counts) {
     scene.map.counts() = ToCounts(4);
     scene.map.counts().colRange(60, 80) = static_cast<int16_t>(ToCounts(4) + step_counts);
@@ -115,6 +118,56 @@ TEST(Confidence, IsLowerWhereGrowthLeftGaps) {
   const auto filled = scene.Judge();
   ExpectLessSure(grown, filled, {66, 26});
   EXPECT_EQ(filled.confidence(50, 66), grown.confidence(50, 66));
+}
+
+TEST(Confidence, IsLowerWhereNeighboursHaveTheSameGreyLevel) {
+  JudgedScene scene;
+  scene.right = uint8_t{128};
+  scene.sigma_prior = kMaxSigmaCounts;
+  scene.seeds.clear();
+  const auto textured = scene.Judge();
+  for (const int v : {26, 34}) scene.left.row(v) = uint8_t{90};  // beyond the other windows
+  const auto blank = scene.Judge();
+  ExpectLessSure(textured, blank, {70, 30});
+  EXPECT_EQ(blank.confidence(48, 70), textured.confidence(48, 70));
+}
+
+TEST(Confidence, IsLowerWhereTheMapIsRoughAround) {
+  JudgedScene scene;
+  scene.right = uint8_t{128};
+  scene.sigma_prior = kMaxSigmaCounts;
+  scene.seeds.clear();
+  const auto smooth = scene.Judge();
+  cv::Mat1s far = scene.map.counts().colRange(42, 62);  // beyond the other windows
+  for (int v = 0; v < kSize.height; ++v) {
+    for (int u = 0; u < far.cols; ++u) {
+      if ((u / 4 + v / 4) % 2 == 0) far(v, u) = ToCounts(10) + 30;  // no step above 1 px
+    }
+  }
+  ExpectLessSure(smooth, scene.Judge(), {70, 30});
+}
+
+TEST(Confidence, CountsBlankCellsAndAveragesBends) {
+  const JudgedScene scene;
+  ConfidenceEstimator estimator;
+  estimator.Compute(
+      {scene.left, scene.right, scene.seeds, scene.sigma_prior, scene.grown, scene.map});
+  const ConfidenceFeatures& features = estimator.features();
+  const cv::Point cell(20, 15);
+  int blank = 0;
+  for (int y = cell.y - 2; y <= cell.y + 2; ++y) {
+    for (int x = cell.x - 2; x <= cell.x + 2; ++x) {
+      blank += scene.left(2 * y, 2 * x + 1) == scene.left(2 * y, 2 * x - 1) ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(features.blank(cell), 10 * blank);
+  const cv::Point block(9, 7);
+  double bends = 0;
+  for (int y = block.y - 6; y <= block.y + 6; ++y) {
+    for (int x = block.x - 6; x <= block.x + 6; ++x) bends += features.bend(2 * y, 2 * x);
+  }
+  EXPECT_EQ(features.rough(block), std::lround(bends / 169));
+  EXPECT_GT(features.rough(block), 0);
 }
 
 TEST(Confidence, IsLowerInHolesBetweenTheSeeds) {
