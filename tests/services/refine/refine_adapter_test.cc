@@ -144,17 +144,6 @@ TofZones OneZone(double disparity_px, ZoneMode mode = ZoneMode::kMean) {
           .targets = {{static_cast<float>(10 / (disparity_px + 2)), 0.01F, TargetStatus::kValid}}};
 }
 
-TEST(RefineAdapter, SaysThatStereoContradictsAScan) {
-  BoxScene scene(60);
-  cv::Mat1f kept(scene.tof.depth_m.size());
-  cv::RNG(7).fill(kept, cv::RNG::UNIFORM, 0, 1);
-  scene.tof.depth_m.setTo(kNoReturn, kept > 0.15);
-  const StageResult result = RefineAdapter(RefineConfig()).Process(FrameOf(scene));
-  EXPECT_TRUE(result.ranges_refused);
-  EXPECT_THAT(result.degenerate, HasSubstr("stereo contradicts the range points at"));
-  EXPECT_EQ(result.finding.value_or(""), "");
-}
-
 TEST(RefineAdapter, SaysWhatStereoContradicts) {
   BoxScene scene;
   for (int j = 30; j < 60; ++j) {

@@ -318,31 +318,6 @@ TEST(Refiner, BelievesNoPointOfASensorWithAnotherLens) {
   EXPECT_TRUE(refiner.left_seeds().seeds.empty());
 }
 
-// Of a scan's points each is asked for itself.
-TEST(Refiner, BelievesNoPointOfAScanThatIsWrong) {
-  const auto scatter = [](Scene& scene) {
-    cv::Mat1f kept(scene.tof.depth_m.size());
-    cv::RNG(7).fill(kept, cv::RNG::UNIFORM, 0, 1);
-    scene.tof.depth_m.setTo(kNoReturn, kept > 0.15);
-  };
-  BoxScene wrong(60);
-  scatter(wrong);
-  Refiner refiner{RefineConfig()};
-  const auto seeds = refiner.Compute(wrong.left, wrong.right, wrong.tof, TofProjector(wrong.rig));
-  EXPECT_TRUE(refiner.range_error().rejected);
-  EXPECT_NEAR(refiner.contradiction().share, 0.17, 0.05);
-  EXPECT_EQ(seeds->contradicted, seeds->raw - seeds->outside);
-  EXPECT_TRUE(refiner.left_seeds().seeds.empty());
-  wrong.tof = {};
-  wrong.rig.tof = {};
-  EXPECT_EQ(seeds->seeds, wrong.Refine(RefineConfig())->seeds);
-  BoxScene right;
-  scatter(right);
-  const auto good = refiner.Compute(right.left, right.right, right.tof, TofProjector(right.rig));
-  EXPECT_FALSE(refiner.range_error().rejected);
-  EXPECT_GT(CountTofSeeds(good->seeds), 500);
-}
-
 // So near that the right camera would not see it, the images cannot be compared there.
 TEST(Refiner, BelievesNoRangesThatWrap) {
   BoxScene scene;

@@ -292,11 +292,11 @@ TEST(TofSurface, IsASurfaceWherePointsAreScattered) {
   rig.tof.height = 100;
   cv::RNG random(4);
   std::vector<ProjectedPoint> points;
-  for (int j = 0; j < 100; ++j) {
-    for (int i = 0; i < 120; ++i) {
-      const double bent = 20 + 0.004 * i * i + 0.003 * j * j;
-      if (random.uniform(0., 1.) < 0.05) points.push_back(Point(i, j, static_cast<float>(bent)));
-    }
+  for (int k = 0; k < 120 * 100; ++k) {
+    const int i = k % 120;
+    const int j = k / 120;
+    const double bent = 20 + 0.004 * i * i + 0.003 * j * j;
+    if (random.uniform(0., 1.) < 0.05) points.push_back(Point(i, j, static_cast<float>(bent)));
   }
   TofSurface surface(rig, points);
   EXPECT_FALSE(surface.has_pixels());

@@ -1,0 +1,58 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "services/refine/refine_adapter.h"
+#include "services/refine/refiner.h"
+#include "tests/services/refine/refine_scene.h"
+
+namespace sprout::refine {
+namespace {
+
+using testing::HasSubstr;
+
+// A scan of scattered points. @param move_px  how far right of where they belong they lie.
+BoxScene ScatteredScene(int move_px) {
+  BoxScene scene(move_px);
+  cv::Mat1f kept(scene.tof.depth_m.size());
+  cv::RNG(7).fill(kept, cv::RNG::UNIFORM, 0, 1);
+  scene.tof.depth_m.setTo(kNoReturn, kept > 0.15);
+  return scene;
+}
+
+TEST(WrongScan, IsNotBelieved) {
+  BoxScene wrong = ScatteredScene(60);
+  Refiner refiner{RefineConfig()};
+  const auto seeds = refiner.Compute(wrong.left, wrong.right, wrong.tof, TofProjector(wrong.rig));
+  EXPECT_TRUE(refiner.range_error().rejected);
+  EXPECT_NEAR(refiner.contradiction().share, 0.17, 0.05);
+  EXPECT_EQ(seeds->contradicted, seeds->raw - seeds->outside);
+  EXPECT_TRUE(refiner.left_seeds().seeds.empty());
+  wrong.tof = {};
+  wrong.rig.tof = {};
+  EXPECT_EQ(seeds->seeds, wrong.Refine(RefineConfig())->seeds);
+}
+
+TEST(WrongScan, IsNoRightOne) {
+  const BoxScene right = ScatteredScene(0);
+  Refiner refiner{RefineConfig()};
+  const auto seeds = refiner.Compute(right.left, right.right, right.tof, TofProjector(right.rig));
+  EXPECT_FALSE(refiner.range_error().rejected);
+  EXPECT_GT(CountTofSeeds(seeds->seeds), 500);
+}
+
+TEST(WrongScan, IsSaid) {
+  const BoxScene scene = ScatteredScene(60);
+  Frame frame;
+  frame.left = scene.left;
+  frame.right = scene.right;
+  frame.tof = scene.tof;
+  frame.rig = scene.rig;
+  frame.id.rig_id = RigId(scene.rig);
+  const StageResult result = RefineAdapter(RefineConfig()).Process(frame);
+  EXPECT_TRUE(result.ranges_refused);
+  EXPECT_THAT(result.degenerate, HasSubstr("stereo contradicts the range points at"));
+  EXPECT_EQ(result.finding.value_or(""), "");
+}
+
+}  // namespace
+}  // namespace sprout::refine
