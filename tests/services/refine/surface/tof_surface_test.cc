@@ -293,8 +293,7 @@ TEST(TofSurface, IsASurfaceWherePointsAreScattered) {
   cv::RNG random(4);
   std::vector<ProjectedPoint> points;
   for (int k = 0; k < 120 * 100; ++k) {
-    const int i = k % 120;
-    const int j = k / 120;
+    const int i = k % 120, j = k / 120;
     const double bent = 20 + 0.004 * i * i + 0.003 * j * j;
     if (random.uniform(0., 1.) < 0.05) points.push_back(Point(i, j, static_cast<float>(bent)));
   }
