@@ -24,9 +24,9 @@ bool Refiner::IsDoubtful(int columns) const {
          static_cast<double>(near) > RangeRules::kNearShare * static_cast<double>(points_.size());
 }
 
-// Whether stereo that knows nothing of the points shows that all belong elsewhere; if not, which it
-// contradicts. Asked only where much is wrong with them: first of coarse matches, which take a
-// fifth of the time.
+// Whether stereo that knows nothing of the points shows that all belong elsewhere, or contradicts
+// all; if not, which it contradicts. Asked only where much is wrong with them: first of coarse
+// matches, which take a fifth of the time.
 bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                           const TofProjector& projector) {
   if (!IsDoubtful(left.cols)) return false;
@@ -55,7 +55,9 @@ bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const T
   if (differs && !place_.is_displaced) {
     against_ = FindContradicted(left, right, points, matches, RangeRules::kAgreePx);
   }
-  return place_.is_displaced;
+  const auto is_contradicted = [](uint8_t is) { return is != 0; };
+  return place_.is_displaced ||
+         (!against_.points.empty() && std::ranges::all_of(against_.points, is_contradicted));
 }
 
 // Points of a scan are compared with the matches at their own places alone: between beams the scene
