@@ -30,8 +30,8 @@ struct Room {
     for (int i = 0; i < kRoomWidth * kRoomHeight; ++i) {
       double z = 1e9;
       for (const Eigen::Vector3d& plane : planes) {
-        const double depth_m = 1 / plane.dot(directions[static_cast<size_t>(i)]);
-        if (depth_m > 0) z = std::min(z, depth_m);
+        const double plane_m = 1 / plane.dot(directions[static_cast<size_t>(i)]);
+        if (plane_m > 0) z = std::min(z, plane_m);
       }
       depth_m(i) = z;
       light(i) = 0.5 / (z * z);

@@ -310,7 +310,7 @@ TEST(TemporalFilter, ForgetsBeforeAFrameThatDoesNotFollow) {
   expect(MemoryReset::kBackwards, [](TemporalInput& next) { next.id.seq = 1; });
   expect(MemoryReset::kBackwards, [](TemporalInput& next) { next.id.utime = 1; });
   expect(MemoryReset::kGap, [](TemporalInput& next) { next.id.utime += 500'000; });
-  for (const uint8_t level : {0, 130}) {  // dark, and without texture
+  for (const uint8_t level : {uint8_t{0}, uint8_t{130}}) {  // dark, and without texture
     expect(MemoryReset::kFewPoints,
            [&](TemporalInput& next) { next.left = cv::Mat1b(next.left.size(), level); });
   }

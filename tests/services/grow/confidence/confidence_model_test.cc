@@ -66,7 +66,7 @@ TEST(ConfidenceModel, TheOneThatShipsLoadsAndNoCurveHasTheWrongSign) {
 
 TEST(ConfidenceTables, AreProbabilityAndStandardDeviation) {
   const ConfidenceTables tables = ParseConfidenceModel(ModelText(), "model");
-  const auto odds = [](int odds) { return static_cast<uint32_t>(odds + 16) << 24; };
+  const auto odds = [](int whole) { return static_cast<uint32_t>(whole + 16) << 24; };
   EXPECT_EQ(tables.ConfidenceOf(odds(0)), 128);  // 127.5
   EXPECT_EQ(tables.ConfidenceOf(odds(-16)), 255);
   EXPECT_EQ(tables.ConfidenceOf(odds(2)), std::lround(255 / (1 + std::exp(2))));
