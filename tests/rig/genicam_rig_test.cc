@@ -226,7 +226,9 @@ TEST_F(GenicamRig, GivesTripletsThatWereTakenTogether) {
     EXPECT_EQ(PairsNotDelivered(tally), 0);
     EXPECT_EQ(tally.wrong_pairs, 0);
     EXPECT_LE(tally.without_tof, 2);
-    EXPECT_LE(tally.lost, 2);
+    // A simulated camera that gets no processor for a while sends nothing: what was sent is counted
+    // above.
+    EXPECT_LE(tally.lost, 5);
     EXPECT_LT(tally.worst_error_ms, 20);
   }
 }
