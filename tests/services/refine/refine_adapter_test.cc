@@ -15,16 +15,6 @@ namespace {
 
 using testing::HasSubstr;
 
-Frame FrameOf(const Scene& scene) {
-  Frame frame;
-  frame.left = scene.left;
-  frame.right = scene.right;
-  frame.tof = scene.tof;
-  frame.rig = scene.rig;
-  frame.id.rig_id = RigId(scene.rig);
-  return frame;
-}
-
 TEST(RefineAdapter, MakesNoRaysForAFrameWithoutToFImage) {
   RefineAdapter adapter{RefineConfig()};
   Scene scene = TexturedScene();

@@ -3,6 +3,7 @@
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
+#include "services/refine/refine_adapter.h"
 #include "services/refine/refiner.h"
 #include "tests/common/core/centred.h"
 
@@ -98,5 +99,15 @@ struct BoxScene : Scene {
     }
   }
 };
+
+inline Frame FrameOf(const Scene& scene) {
+  Frame frame;
+  frame.left = scene.left;
+  frame.right = scene.right;
+  frame.tof = scene.tof;
+  frame.rig = scene.rig;
+  frame.id.rig_id = RigId(scene.rig);
+  return frame;
+}
 
 }  // namespace sprout::refine

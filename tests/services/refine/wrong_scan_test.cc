@@ -40,29 +40,19 @@ TEST(WrongScan, IsNoRightOne) {
   EXPECT_GT(CountTofSeeds(seeds->seeds), 500);
 }
 
-StageResult ResultOf(const Scene& scene) {
-  Frame frame;
-  frame.left = scene.left;
-  frame.right = scene.right;
-  frame.tof = scene.tof;
-  frame.rig = scene.rig;
-  frame.id.rig_id = RigId(scene.rig);
-  return RefineAdapter(RefineConfig()).Process(frame);
-}
-
 // One range, as of a distance sensor, nearer than all that the images show.
 TEST(WrongRange, IsRefusedWhereItIsTheOnlyOne) {
   BoxScene scene;
   scene.rig.tof.width = scene.rig.tof.height = 1;
   scene.rig.tof.cx = scene.rig.tof.cy = 0;
   scene.tof.depth_m = cv::Mat1f(1, 1, static_cast<float>(scene.rig.pair.DepthFromDisparity(90)));
-  const StageResult result = ResultOf(scene);
+  const StageResult result = RefineAdapter(RefineConfig()).Process(FrameOf(scene));
   EXPECT_TRUE(result.ranges_refused);
   EXPECT_THAT(result.degenerate, HasSubstr("100 % of the points are not believed"));
 }
 
 TEST(WrongScan, IsSaid) {
-  const StageResult result = ResultOf(ScatteredScene(60));
+  const StageResult result = RefineAdapter(RefineConfig()).Process(FrameOf(ScatteredScene(60)));
   EXPECT_TRUE(result.ranges_refused);
   EXPECT_THAT(result.degenerate, HasSubstr("stereo contradicts the range points at"));
   EXPECT_EQ(result.finding.value_or(""), "");

@@ -14,6 +14,16 @@ const RectifiedPair kPair{.width = 1242, .height = 375, .focal_px = 721, .baseli
 
 const RectifiedPair kCamera{.width = 465, .height = 370, .focal_px = 1247, .baseline_m = 0.16};
 
+// Costs that are least, and so much less than elsewhere, at an offset of least_px.
+void SetCosts(double least_px, double depth, RangeNode& node) {
+  for (int k = 0; k < RangeRules::kLabels; ++k) {
+    const double away = RangeRules::OffsetPx(k) - least_px;
+    node.costs[static_cast<size_t>(k)] =
+        static_cast<float>(0.8 - depth * std::exp(-away * away / 2));
+  }
+  node.distinctness = DistinctnessOf(node.costs);
+}
+
 // Nodes of a scan from 5 to 50 m whose depths are all too large by error_m. Near ones show it
 // clearly; far ones, where it is a part of a px, have little texture and disagree.
 std::vector<RangeNode> NodesOffBy(double error_m) {
@@ -28,12 +38,7 @@ std::vector<RangeNode> NodesOffBy(double error_m) {
     const double off_px = kPair.DisparityFromDepth(depth_m - error_m) - node.disparity;
     const double least = off_px + random.gaussian(depth_m > 10 ? 1.0 : 0.3);
     const double depth = depth_m > 10 ? 0.25 : 0.7;
-    for (int k = 0; k < RangeRules::kLabels; ++k) {
-      const double away = RangeRules::OffsetPx(k) - least;
-      node.costs[static_cast<size_t>(k)] =
-          static_cast<float>(0.8 - depth * std::exp(-away * away / 2));
-    }
-    node.distinctness = DistinctnessOf(node.costs);
+    SetCosts(least, depth, node);
   }
   return nodes;
 }
@@ -77,12 +82,7 @@ std::vector<RangeNode> NodesBeforeWall(double wall_m) {
     const double off_px = kCamera.DisparityFromDepth(depth_m - kErrorM) - node.disparity;
     const double least = is_wall ? random.uniform(-6.0F, 6.0F) : off_px + random.gaussian(0.3);
     const double depth = is_wall ? 0.15 : 0.7;
-    for (int k = 0; k < RangeRules::kLabels; ++k) {
-      const double away = RangeRules::OffsetPx(k) - least;
-      node.costs[static_cast<size_t>(k)] =
-          static_cast<float>(0.8 - depth * std::exp(-away * away / 2));
-    }
-    node.distinctness = DistinctnessOf(node.costs);
+    SetCosts(least, depth, node);
   }
   return nodes;
 }
