@@ -249,7 +249,7 @@ std::span<const cv::Point2f> Refiner::Covered(bool dense) {
   covered_.clear();
   const bool is_off = range_error_.moved_share > 0;
   const auto is_unsure = [&](const Seed& point) {
-    return is_off ? point.sigma_px > StereoRules::kMovedSigmaPx : UnsurePoints::Is(point, noise_);
+    return is_off ? point.sigma_px > StereoRules::kAskedSigmaPx : UnsurePoints::Is(point, noise_);
   };
   for (size_t i = 0; i < points_.size(); ++i) {
     const bool sure = !dense || !is_unsure(points_[i].seed);

@@ -49,9 +49,9 @@ struct StereoRules {
   /// Standard deviation of what all disparities around err alike, px of the matched image: their
   /// spread does not show it. By trial (NOTES.md).
   static constexpr double kSharedSigmaPx = 0.2;
-  /// Of a range sensor that is off, stereo is asked beside points above this standard deviation,
-  /// px. A match is surer from kSharedSigmaPx on, but hardly so below. Measured (NOTES.md).
-  static constexpr double kMovedSigmaPx = 0.3;
+  /// Stereo is asked where points leave more than this standard deviation, px of the matched image.
+  /// A match is surer from kSharedSigmaPx on, but hardly so below. Measured (NOTES.md).
+  static constexpr double kAskedSigmaPx = 0.3;
 
   // How sure an interpolation between ToF points is, eqs. (R11) and (R12).
   /// What may lie unseen between them, px of disparity a px of distance. What the truth of KITTI's

@@ -110,12 +110,12 @@ void StereoSeedFinder::FindUncovered(const CellGrid& grid, std::span<const Seed>
   }
   cv::dilate(with_points, uncovered_, Disc(gap));
   uncovered_ = 1 - uncovered_;
-  // Cells for which no match could be surer than the points around are left out, too.
+  // Cells for which a match could hardly be surer than the points around are left out, too.
   points_.Set(seeds, grid, uncovered_);
   for (int y = 0; y < grid.size.height; ++y) {
     for (int x = 0; x < grid.size.width; ++x) {
       uint8_t& uncovered = uncovered_(y, x);
-      if (uncovered != 0 && points_.SigmaPx({x, y}) <= StereoRules::kSharedSigmaPx * scale)
+      if (uncovered != 0 && points_.SigmaPx({x, y}) <= StereoRules::kAskedSigmaPx * scale)
         uncovered = 0;
     }
   }

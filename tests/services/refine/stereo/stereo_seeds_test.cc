@@ -126,14 +126,15 @@ double SlantPx(double, double v) { return 12 + 0.04 * v; }
 
 TEST(StereoSeeds, LeavesWhatPointsExplainToThem) {
   const Pair pair(Texture(kSize), [](int u, int v) { return SlantPx(u, v); });
-  // At most 6 px beside a point: 0.16 px, while no match is surer than 0.2.
+  // At most 6 px beside a point: 0.16 px, while matches are hardly surer than 0.3.
   EXPECT_TRUE(FoundBetween(pair, PointsOn(SlantPx, 9, 9), 100).empty());
 }
 
 TEST(StereoSeeds, FillsStripsBetweenTheBeamsOfAScan) {
   const Pair pair(Texture(kSize), [](int u, int v) { return SlantPx(u, v); });
   const int strip_px = 8 * kSpacing;
-  const auto beams = PointsOn(SlantPx, 2, strip_px);
+  auto beams = PointsOn(SlantPx, 2, strip_px);
+  for (Seed& point : beams) point.sigma_px = 0.3F;  // so that cells beside a beam are asked
   // The rows of cells beside a beam are its own where points are fine.
   const auto count = [&](double spacing_px, int least_cells) {
     const std::vector<Seed> seeds = FoundBetween(pair, beams, spacing_px);
