@@ -12,7 +12,7 @@
 #include "common/geometry/native_ranges.h"
 #include "common/geometry/widened_frame.h"
 #include "common/inputs/check_inputs.h"
-#include "common/inputs/judge_ranges.h"
+#include "services/refine/findings.h"
 #include "services/refine/range/range_bias.h"
 
 namespace sprout::refine {
@@ -36,53 +36,6 @@ SeedCounts CountsOf(const StageResult& result) {
     }
   }
   return counts;
-}
-
-void AddLine(StageResult& result, const std::string& line) {
-  if (!line.empty()) result.degenerate += (result.degenerate.empty() ? "" : "; ") + line;
-}
-
-// What is found of the range sensor, before what else is.
-void PutFirst(StageResult& result, const std::string& finding) {
-  const std::string others = result.finding.value_or("");
-  result.finding = finding + (others.empty() ? "" : "; " + others);
-}
-
-std::string ContradictionText(const Contradiction& contradiction) {
-  const auto dropped = std::ranges::count(contradiction.points, 1);
-  return fmt::format(
-      "stereo contradicts the range points at {:.0f} % of its matches: {:.0f} % of the points are "
-      "not believed",
-      100 * contradiction.share,
-      100.0 * static_cast<double>(dropped) / static_cast<double>(contradiction.points.size()));
-}
-
-std::string SmoothingText(const Smoothing& smoothing) {
-  return fmt::format(
-      "the range image is smoothed, its depth edges are {:.1f} pixels wide: the {:.0f} % of its "
-      "points beside them are not believed",
-      smoothing.edge_width, 100 * smoothing.dropped_share);
-}
-
-std::string FatteningText(const Fattening& fattening) {
-  return fmt::format(
-      "near surfaces of the range image reach up to {} pixel{} beyond their edges: the {:.0f} % of "
-      "its points there are not believed",
-      fattening.width, fattening.width == 1 ? "" : "s", 100 * fattening.dropped_share);
-}
-
-std::string PlaceText(const SensorPlace& place) {
-  const std::string where =
-      place.scale != 1
-          ? fmt::format("{:.2f} times as far away (unit, focal length, baseline?)", 1 / place.scale)
-      : place.spread != 1
-          ? fmt::format("{:.2f} times as far from the middle of the left image (is that its lens?)",
-                        place.spread)
-          : "about " + inputs::MoveText(place.move_px) + " in the left image";
-  return fmt::format(
-      "range points belong {} (there {:.0f} % of them agree with stereo, where they are "
-      "{:.0f} %): none is believed",
-      where, 100 * place.agree_moved, 100 * place.agree_as_is);
 }
 
 // The disparity of a point at infinity, rounded up; 0 where it is negative.
@@ -227,60 +180,10 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
     return refined;
   }
   const RangeError& error = refiner_.range_error();
-  if (seeds->seeds.empty()) {
-    outcome.degenerate =
-        seeds->raw == 0 ? "no ToF point has a return"
-                        : "none of " + std::to_string(seeds->raw) + " ToF points became a seed";
-    if (finds_stereo_seeds_) {
-      outcome.degenerate += ", and stereo found none";
-    } else if (seeds->raw == 0) {
-      outcome.degenerate +=
-          "; seeds of stereo take refine { stereo_seeds: true }, as in preset default";
-    }
-  }
-  if (refiner_.sensor_place().is_displaced) {
-    AddLine(outcome, PlaceText(refiner_.sensor_place()));
-  } else if (error.rejected && !refiner_.contradiction().points.empty()) {
-    AddLine(outcome, ContradictionText(refiner_.contradiction()));
-  } else if (error.rejected) {
-    const auto percent = std::lround(100 * error.contradicted_share);
-    AddLine(outcome, "the images contradict the range points in " + std::to_string(percent) +
-                         " % of the places where they could show it: none is believed");
-  } else if (error.rows_unfit) {
-    AddLine(outcome,
-            "the images fit the range points better on other rows than on their own, so they "
-            "contradict none of them: is the pair rectified?");
-  } else if (error.rows_shifted) {
-    AddLine(outcome,
-            "each row of the right image fits the range points in columns of its own, so the "
-            "images contradict none of them: are its rows exposed one after the other, or is a "
-            "part of it of another moment?");
-  } else if (error.pair_unfit) {
-    AddLine(outcome,
-            "the images fit neither the range points nor each other, so they say nothing of the "
-            "range sensor: are the pair's calibration, focus, exposure and moment right?");
-  }
-  if (error.absurd) {
-    AddLine(outcome,
-            fmt::format("ranges are off by {:+.2f} m at {:.2f} m, more than a sensor can be: "
-                        "none is believed; are their unit, the focal length and the "
-                        "baseline right?",
-                        error.absurd->error_m, error.absurd->depth_m));
-  }
-  if (refiner_.are_noise()) {
-    AddLine(outcome, std::to_string(seeds->loose) + " of " + std::to_string(seeds->raw) +
-                         " range points differ from all around them, as noise does: none is "
-                         "believed");
-  }
+  outcome.degenerate = DegenerateText(refiner_, *seeds, finds_stereo_seeds_);
   outcome.ranges_refused = error.Refuses() || refiner_.are_noise();
   outcome.ranges_alone = error.pair_unfit && error.moved_share == 0 && !outcome.ranges_refused;
-  outcome.finding = RangeErrorText(error);
-  if (!error.rejected && !refiner_.contradiction().points.empty()) {
-    PutFirst(outcome, ContradictionText(refiner_.contradiction()));
-  }
-  if (refiner_.smoothing()) PutFirst(outcome, SmoothingText(refiner_.smoothing()));
-  if (refiner_.fattening()) PutFirst(outcome, FatteningText(refiner_.fattening()));
-  if (refiner_.scan_move().is_off) PutFirst(outcome, ScanMoveText(refiner_.scan_move()));
+  outcome.finding = FindingText(refiner_);
   outcome.outputs.push_back({Part::kSeeds, *std::move(seeds)});
   outcome.outputs.push_back({Part::kLeftSeeds, refiner_.left_seeds()});
   return refined;
@@ -292,11 +195,14 @@ StageResult RefineAdapter::ProcessNative(const Frame& frame) {
   if (!refined.fits) return std::move(refined.answer);
   outcome.tof_offset = OffsetOf(frame);
   // The status has the newest line alone, so one of a frame that lacks seeds has the cure, too.
-  if (CheckInput(frame) || !outcome.degenerate.empty()) AddLine(outcome, wrong_input_);
+  const auto add_line = [&](const std::string& line) {
+    outcome.degenerate = Joined(outcome.degenerate, line);
+  };
+  if (CheckInput(frame) || !outcome.degenerate.empty()) add_line(wrong_input_);
   if (check_inputs_every_ > 0) {
-    AddLine(outcome, hang_watch_.Add(frame));
-    AddLine(outcome, range_watch_.Add(*frame.tof, std::get<SeedSet>(outcome.outputs[0].value),
-                                      std::get<SeedSet>(outcome.outputs[1].value)));
+    add_line(hang_watch_.Add(frame));
+    add_line(range_watch_.Add(*frame.tof, std::get<SeedSet>(outcome.outputs[0].value),
+                              std::get<SeedSet>(outcome.outputs[1].value)));
   }
   return std::move(refined.answer);
 }
@@ -314,10 +220,10 @@ StageResult RefineAdapter::Process(const Frame& frame) {
   for (PartOutput& output : result.outputs) {
     for (Seed& seed : std::get<SeedSet>(output.value).seeds) native->ToEnlarged(seed);
   }
-  PutFirst(result,
-           fmt::format("the range image of {} pixels is one of {} that was enlarged, and "
-                       "is taken as that",
-                       SizeText(frame.tof->depth_m.size()), SizeText(native->tof.depth_m.size())));
+  const std::string enlarged = fmt::format(
+      "the range image of {} pixels is one of {} that was enlarged, and is taken as that",
+      SizeText(frame.tof->depth_m.size()), SizeText(native->tof.depth_m.size()));
+  result.finding = Joined(enlarged, result.finding.value_or(""));
   return result;
 }
 

@@ -1,0 +1,125 @@
+#include "services/refine/findings.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/inputs/judge_ranges.h"
+#include "services/refine/alignment/scan_alignment.h"
+#include "services/refine/range/range_bias.h"
+
+namespace sprout::refine {
+namespace {
+
+std::string NoSeedsText(const SeedSet& seeds, bool stereo_seeds) {
+  const std::string text = seeds.raw == 0
+                               ? "no ToF point has a return"
+                               : fmt::format("none of {} ToF points became a seed", seeds.raw);
+  if (stereo_seeds) return text + ", and stereo found none";
+  if (seeds.raw > 0) return text;
+  return text + "; seeds of stereo take refine { stereo_seeds: true }, as in preset default";
+}
+
+std::string ContradictionText(const Contradiction& contradiction) {
+  const auto dropped = std::ranges::count(contradiction.points, 1);
+  return fmt::format(
+      "stereo contradicts the range points at {:.0f} % of its matches: {:.0f} % of the points are "
+      "not believed",
+      100 * contradiction.share,
+      100.0 * static_cast<double>(dropped) / static_cast<double>(contradiction.points.size()));
+}
+
+std::string SmoothingText(const Smoothing& smoothing) {
+  return fmt::format(
+      "the range image is smoothed, its depth edges are {:.1f} pixels wide: the {:.0f} % of its "
+      "points beside them are not believed",
+      smoothing.edge_width, 100 * smoothing.dropped_share);
+}
+
+std::string FatteningText(const Fattening& fattening) {
+  return fmt::format(
+      "near surfaces of the range image reach up to {} pixel{} beyond their edges: the {:.0f} % of "
+      "its points there are not believed",
+      fattening.width, fattening.width == 1 ? "" : "s", 100 * fattening.dropped_share);
+}
+
+std::string PlaceText(const SensorPlace& place) {
+  const std::string where =
+      place.scale != 1
+          ? fmt::format("{:.2f} times as far away (unit, focal length, baseline?)", 1 / place.scale)
+      : place.spread != 1
+          ? fmt::format("{:.2f} times as far from the middle of the left image (is that its lens?)",
+                        place.spread)
+          : "about " + inputs::MoveText(place.move_px) + " in the left image";
+  return fmt::format(
+      "range points belong {} (there {:.0f} % of them agree with stereo, where they are "
+      "{:.0f} %): none is believed",
+      where, 100 * place.agree_moved, 100 * place.agree_as_is);
+}
+
+// Why all range points are refused, or the images say nothing of them.
+std::string RefusalText(const Refiner& refiner) {
+  const RangeError& error = refiner.range_error();
+  if (refiner.sensor_place().is_displaced) return PlaceText(refiner.sensor_place());
+  if (error.rejected && !refiner.contradiction().points.empty()) {
+    return ContradictionText(refiner.contradiction());
+  }
+  if (error.rejected) {
+    return fmt::format(
+        "the images contradict the range points in {} % of the places where they could show it: "
+        "none is believed",
+        std::lround(100 * error.contradicted_share));
+  }
+  if (error.rows_unfit) {
+    return "the images fit the range points better on other rows than on their own, so they "
+           "contradict none of them: is the pair rectified?";
+  }
+  if (error.rows_shifted) {
+    return "each row of the right image fits the range points in columns of its own, so the "
+           "images contradict none of them: are its rows exposed one after the other, or is a "
+           "part of it of another moment?";
+  }
+  if (error.pair_unfit) {
+    return "the images fit neither the range points nor each other, so they say nothing of the "
+           "range sensor: are the pair's calibration, focus, exposure and moment right?";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string Joined(const std::string& text, const std::string& more) {
+  return text + (text.empty() || more.empty() ? "" : "; ") + more;
+}
+
+std::string DegenerateText(const Refiner& refiner, const SeedSet& seeds, bool stereo_seeds) {
+  std::string text = seeds.seeds.empty() ? NoSeedsText(seeds, stereo_seeds) : "";
+  text = Joined(text, RefusalText(refiner));
+  if (const std::optional<RangeKnot>& absurd = refiner.range_error().absurd) {
+    text = Joined(text, fmt::format("ranges are off by {:+.2f} m at {:.2f} m, more than a sensor "
+                                    "can be: none is believed; are their unit, the focal length "
+                                    "and the baseline right?",
+                                    absurd->error_m, absurd->depth_m));
+  }
+  if (!refiner.are_noise()) return text;
+  return Joined(text, fmt::format("{} of {} range points differ from all around them, as noise "
+                                  "does: none is believed",
+                                  seeds.loose, seeds.raw));
+}
+
+std::optional<std::string> FindingText(const Refiner& refiner) {
+  std::optional<std::string> text = RangeErrorText(refiner.range_error());
+  const auto put_first = [&](const std::string& finding) {
+    text = Joined(finding, text.value_or(""));
+  };
+  if (!refiner.range_error().rejected && !refiner.contradiction().points.empty()) {
+    put_first(ContradictionText(refiner.contradiction()));
+  }
+  if (refiner.smoothing()) put_first(SmoothingText(refiner.smoothing()));
+  if (refiner.fattening()) put_first(FatteningText(refiner.fattening()));
+  if (refiner.scan_move().is_off) put_first(ScanMoveText(refiner.scan_move()));
+  return text;
+}
+
+}  // namespace sprout::refine
