@@ -1,7 +1,6 @@
 #include "services/refine/alignment/tof_edges.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -14,12 +13,38 @@ using Rules = AlignmentRules;
 // How far beyond a pixel is looked: past the mixed ones, two more and the disc's radius.
 constexpr int kBorder = Rules::kMaxMixed + 2 + Rules::kDiscRadius;
 
-struct Direction {
-  int u, v;
-};
-constexpr std::array<Direction, 4> kDirections = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+// The steps of a ToF pixel in the images, up to a common factor.
+Eigen::Matrix2d ImageFromTof(const Eigen::Matrix3d& left_from_tof, const TofCamera& camera) {
+  Eigen::Matrix2d steps = left_from_tof.topLeftCorner<2, 2>();
+  steps.col(0) /= camera.fx;
+  steps.col(1) /= camera.fy;
+  return steps;
+}
 
 }  // namespace
+
+// Along a row or a column of the ToF image.
+struct TofEdgeFinder::Direction {
+  int u, v;
+};
+
+// Where the ToF camera stands and looks.
+struct TofEdgeFinder::View {
+  const TofProjector& projector;
+  const RectifiedPair& pair = projector.rig().pair;
+  const TofCamera& camera = projector.rig().tof;
+  Eigen::Matrix3d rotation = camera.left_from_tof_rotation.toRotationMatrix();
+  Eigen::Vector3d place = camera.left_from_tof_translation_m;
+  double infinity_px = pair.cx - pair.cx_right;  // disparity of a point at infinity
+
+  Eigen::Matrix2d image_from_tof = ImageFromTof(rotation, camera);
+  Eigen::Matrix2d take_normal = image_from_tof.inverse().transpose();  // to the images
+
+  // The near surface's end: on the ray there, at the depth that its disparity says. From the
+  // camera, in the left frame; nothing where that is behind one of the cameras.
+  std::optional<Eigen::Vector3d> ArmTo(const ProjectedPoint& point, const Direction& direction,
+                                       const Step& step) const;
+};
 
 // ToF pixels, one after another in one direction.
 struct TofEdgeFinder::Line {
@@ -99,84 +124,97 @@ std::optional<Eigen::Vector2d> TofEdgeFinder::NormalAt(const float* centre,
   return away / std::sqrt(away.squaredNorm());
 }
 
-std::span<const TofEdge> TofEdgeFinder::Find(std::span<const ProjectedPoint> points,
-                                             const TofImage& tof, const TofProjector& projector,
-                                             double least_px) {
-  edges_.clear();
-  const RectifiedPair& pair = projector.rig().pair;
-  const TofCamera& camera = projector.rig().tof;
+std::optional<Eigen::Vector3d> TofEdgeFinder::View::ArmTo(const ProjectedPoint& point,
+                                                          const Direction& direction,
+                                                          const Step& step) const {
+  Seed near = point.seed;
+  near.u_right = near.u - static_cast<float>(step.near_px);
+  const Eigen::Vector3d on_surface = PointFromSeed(pair, near);
+  const double depth_m = (rotation.transpose() * (on_surface - place)).z();
+  const int whole = static_cast<int>(step.end);
+  const auto ray = [&](int pixels) -> const Eigen::Vector3d& {
+    return projector.ray(point.tof_u + pixels * direction.u, point.tof_v + pixels * direction.v);
+  };
+  const Eigen::Vector3d& before = ray(whole);
+  const Eigen::Vector3d& behind = ray(whole + 1);
+  const Eigen::Vector3d arm =
+      rotation * (depth_m * (before + (step.end - whole) * (behind - before)));
+  if (!(depth_m > 0 && arm.z() + place.z() > 0)) return {};
+  return arm;
+}
+
+size_t TofEdgeFinder::IndexOf(const ProjectedPoint& point) const {
+  return static_cast<size_t>((point.tof_v + kBorder) * stride_ + point.tof_u + kBorder);
+}
+
+void TofEdgeFinder::SetImage(std::span<const ProjectedPoint> points, const TofImage& tof,
+                             const TofCamera& camera) {
   stride_ = camera.width + 2 * kBorder;
   disparity_.assign(static_cast<size_t>(stride_ * (camera.height + 2 * kBorder)),
                     std::numeric_limits<float>::quiet_NaN());
   amplitude_.assign(disparity_.size(), 1);
-  const auto index_of = [&](const ProjectedPoint& point) {
-    return static_cast<size_t>((point.tof_v + kBorder) * stride_ + point.tof_u + kBorder);
-  };
   for (const ProjectedPoint& point : points) {
-    disparity_[index_of(point)] = point.seed.disparity();
+    disparity_[IndexOf(point)] = point.seed.disparity();
     if (tof.amplitude.empty()) continue;
-    amplitude_[index_of(point)] = tof.amplitude(point.tof_v, point.tof_u);
+    amplitude_[IndexOf(point)] = tof.amplitude(point.tof_v, point.tof_u);
   }
+}
 
-  const Eigen::Matrix3d rotation = camera.left_from_tof_rotation.toRotationMatrix();
-  const Eigen::Vector3d& place = camera.left_from_tof_translation_m;
-  // The steps of a ToF pixel in the images, up to a common factor.
-  Eigen::Matrix2d image_from_tof = rotation.topLeftCorner<2, 2>();
-  image_from_tof.col(0) /= camera.fx;
-  image_from_tof.col(1) /= camera.fy;
-  if (!(std::abs(image_from_tof.determinant()) > 0)) return edges_;  // it looks across
-  const Eigen::Matrix2d take_normal = image_from_tof.inverse().transpose();
-  const double infinity_px = pair.cx - pair.cx_right;
+// The edge behind a point, if a near surface ends there.
+std::optional<TofEdge> TofEdgeFinder::EdgeAt(const ProjectedPoint& point,
+                                             const Direction& direction, const View& view,
+                                             double least_px) const {
+  const RectifiedPair& pair = view.pair;
+  const std::ptrdiff_t along = direction.v * stride_ + direction.u;
+  const float* disparity = disparity_.data() + IndexOf(point);
+  const std::optional<Step> step = StepAlong({.disparity = disparity,
+                                              .amplitude = amplitude_.data() + IndexOf(point),
+                                              .stride = along,
+                                              .infinity_px = view.infinity_px},
+                                             least_px);
+  if (!step || step->near_px >= pair.width || step->far_px <= -pair.width) return {};
+  const std::optional<Eigen::Vector2d> normal_in_tof =
+      NormalAt(disparity + std::lround(step->end) * along, (step->near_px + step->far_px) / 2);
+  if (!normal_in_tof) return {};
+  const double across = normal_in_tof->x() * direction.u + normal_in_tof->y() * direction.v;
+  if (!(across >= Rules::kMinAcross)) return {};
+  const std::optional<Eigen::Vector3d> arm = view.ArmTo(point, direction, *step);
+  if (!arm) return {};
+  const Eigen::Vector3d end = *arm + view.place;
+  const Seed seed = ProjectToPair(pair, end);
+  if (!(seed.u >= 0 && seed.u < static_cast<float>(pair.width) && seed.v >= 0 &&
+        seed.v < static_cast<float>(pair.height))) {
+    return {};
+  }
+  const Eigen::Vector2d normal = (view.take_normal * *normal_in_tof).normalized();
+  const double per_px =
+      across / pair.focal_px * (direction.u != 0 ? view.camera.fx : view.camera.fy);
+  // Eq. (A1): the image of ω × arm, for f·ω of 1 px about the axes that point down and left.
+  const double x = end.x() / end.z();
+  const double y = end.y() / end.z();
+  const Eigen::Vector3d lever = *arm / end.z();
+  return TofEdge{.left = {seed.u, seed.v},
+                 .near_px = step->near_px,
+                 .far_px = step->far_px,
+                 .near_slope = step->near_slope * per_px,
+                 .far_slope = step->far_slope * per_px,
+                 .normal = normal,
+                 .motion = {normal.dot(Eigen::Vector2d(lever.z() + x * lever.x(), y * lever.x())),
+                            normal.dot(Eigen::Vector2d(x * lever.y(), lever.z() + y * lever.y()))}};
+}
 
+std::span<const TofEdge> TofEdgeFinder::Find(std::span<const ProjectedPoint> points,
+                                             const TofImage& tof, const TofProjector& projector,
+                                             double least_px) {
+  edges_.clear();
+  const View view{.projector = projector};
+  SetImage(points, tof, view.camera);
+  if (!(std::abs(view.image_from_tof.determinant()) > 0)) return edges_;  // it looks across
   for (const ProjectedPoint& point : points) {
-    for (const Direction& direction : kDirections) {
-      const std::ptrdiff_t along = direction.v * stride_ + direction.u;
-      const float* disparity = disparity_.data() + index_of(point);
-      const std::optional<Step> step = StepAlong({.disparity = disparity,
-                                                  .amplitude = amplitude_.data() + index_of(point),
-                                                  .stride = along,
-                                                  .infinity_px = infinity_px},
-                                                 least_px);
-      if (!step || step->near_px >= pair.width || step->far_px <= -pair.width) continue;
-      const std::optional<Eigen::Vector2d> normal_in_tof =
-          NormalAt(disparity + std::lround(step->end) * along, (step->near_px + step->far_px) / 2);
-      if (!normal_in_tof) continue;
-      const double across = normal_in_tof->x() * direction.u + normal_in_tof->y() * direction.v;
-      if (!(across >= Rules::kMinAcross)) continue;
-      // The near surface's end lies on the ray there, at the depth that its disparity says.
-      Seed near = point.seed;
-      near.u_right = near.u - static_cast<float>(step->near_px);
-      const Eigen::Vector3d on_surface = PointFromSeed(pair, near);
-      const double depth_m = (rotation.transpose() * (on_surface - place)).z();
-      const int whole = static_cast<int>(step->end);
-      const Eigen::Vector3d& before =
-          projector.ray(point.tof_u + whole * direction.u, point.tof_v + whole * direction.v);
-      const Eigen::Vector3d& behind = projector.ray(point.tof_u + (whole + 1) * direction.u,
-                                                    point.tof_v + (whole + 1) * direction.v);
-      const Eigen::Vector3d arm =
-          rotation * (depth_m * (before + (step->end - whole) * (behind - before)));
-      const Eigen::Vector3d end = arm + place;
-      if (!(depth_m > 0 && end.z() > 0)) continue;
-      const Seed seed = ProjectToPair(pair, end);
-      if (!(seed.u >= 0 && seed.u < static_cast<float>(pair.width) && seed.v >= 0 &&
-            seed.v < static_cast<float>(pair.height))) {
-        continue;
+    for (const Direction direction : {Direction{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+      if (const std::optional<TofEdge> edge = EdgeAt(point, direction, view, least_px)) {
+        edges_.push_back(*edge);
       }
-      const Eigen::Vector2d normal = (take_normal * *normal_in_tof).normalized();
-      const double per_px = across / pair.focal_px * (direction.u != 0 ? camera.fx : camera.fy);
-      // Eq. (A1): the image of ω × arm, for f·ω of 1 px about the axes that point down and left.
-      const double x = end.x() / end.z();
-      const double y = end.y() / end.z();
-      const Eigen::Vector3d lever = arm / end.z();
-      edges_.push_back(
-          {.left = {seed.u, seed.v},
-           .near_px = step->near_px,
-           .far_px = step->far_px,
-           .near_slope = step->near_slope * per_px,
-           .far_slope = step->far_slope * per_px,
-           .normal = normal,
-           .motion = {normal.dot(Eigen::Vector2d(lever.z() + x * lever.x(), y * lever.x())),
-                      normal.dot(Eigen::Vector2d(x * lever.y(), lever.z() + y * lever.y()))}});
     }
   }
   return edges_;

@@ -42,9 +42,16 @@ class TofEdgeFinder {
  private:
   struct Line;
   struct Step;
+  struct Direction;
+  struct View;
 
   static std::optional<Step> StepAlong(const Line& line, double least_px);
   std::optional<Eigen::Vector2d> NormalAt(const float* centre, double between_px) const;
+  void SetImage(std::span<const ProjectedPoint> points, const TofImage& tof,
+                const TofCamera& camera);
+  size_t IndexOf(const ProjectedPoint& point) const;
+  std::optional<TofEdge> EdgeAt(const ProjectedPoint& point, const Direction& direction,
+                                const View& view, double least_px) const;
 
   std::ptrdiff_t stride_ = 0;
   std::vector<float> disparity_;  // of the ToF pixels and a border, NaN = none
