@@ -56,8 +56,6 @@ void AddUp(std::vector<float>& values) {
   }
 }
 
-using Rules = AlignmentRules;
-
 // The edge in an image `scale` times smaller; pixel centres are whole numbers.
 TofEdge AtScale(TofEdge edge, double scale) {
   const auto half = Eigen::Vector2d::Constant(0.5);
@@ -71,6 +69,55 @@ double CellPx(const Rig& rig) { return rig.pair.focal_px / std::min(rig.tof.fx, 
 
 // What an edge's place depends on: the offset, and how far all edges seem to lie outwards.
 Eigen::Vector3d RowOf(const TofEdge& edge) { return {edge.motion.x(), edge.motion.y(), 1}; }
+
+// Sums along an edge's normal, for places of up to `middle` px on either side of it.
+void SumAlong(const View& view, const View& in_left, const TofEdge& edge, int middle,
+              double plane_px, Sums& sums) {
+  const int samples = 2 * middle + 1;
+  const cv::Rect image({}, view.here.size());
+  const cv::Mat1b& left = in_left.here;
+  const auto last_column = static_cast<float>(image.width - 1);
+  sums.preference.assign(static_cast<size_t>(samples) + 1, 0);
+  sums.grey.assign(static_cast<size_t>(samples) + 1, 0);
+  for (int i = 0; i < samples; ++i) {
+    const int place = i - middle;
+    const double on_plane = std::clamp<double>(place, -plane_px, plane_px);
+    const double to_near = view.to_there * (edge.near_px + edge.near_slope * on_plane);
+    const double to_far = view.to_there * (edge.far_px + edge.far_slope * on_plane);
+    float preference = 0;
+    ForEachPixel(view, edge.normal, place, [&](int u, int v) {
+      if (!image.contains({u, v})) return;
+      const float grey = view.here(v, u);
+      const uint8_t* row = view.there[v];
+      preference += Misfit(row, last_column, static_cast<float>(u + to_far), grey) -
+                    Misfit(row, last_column, static_cast<float>(u + to_near), grey);
+    });
+    float grey = 0;
+    ForEachPixel(in_left, edge.normal, place, [&](int u, int v) {
+      grey += left(std::clamp(v, 0, left.rows - 1), std::clamp(u, 0, left.cols - 1));
+    });
+    sums.preference[static_cast<size_t>(i) + 1] = preference;
+    sums.grey[static_cast<size_t>(i) + 1] = grey;
+  }
+  AddUp(sums.preference);
+  AddUp(sums.grey);
+}
+
+// Eq. (A4) at each place of a profile.
+void WriteProfile(const Sums& sums, int window, std::span<float> profile) {
+  for (size_t t = 0; t < profile.size(); ++t) {
+    // The pixel at the place itself speaks for neither side.
+    const size_t first = t;
+    const size_t place = t + static_cast<size_t>(window);
+    const size_t end = place + 1 + static_cast<size_t>(window);
+    const auto inside_less_outside = [&](const std::vector<float>& sum) {
+      return (sum[place] - sum[first] - sum[end] + sum[place + 1]) / static_cast<float>(window);
+    };
+    const float contrast = std::min(std::abs(inside_less_outside(sums.grey)), Rules::kMaxContrast) /
+                           Rules::kMaxContrast;
+    profile[t] = inside_less_outside(sums.preference) / 2 + Rules::kContrastWeight * contrast;
+  }
+}
 
 }  // namespace
 
@@ -87,60 +134,18 @@ void EdgeProfiles::Set(const cv::Mat1b& left, const cv::Mat1b& right,
   reach_ = sizes.reach;
   places_ = static_cast<size_t>(2 * reach_ + 1);
   profiles_.resize(edges.size() * places_);
-  const int window = sizes.window;
-  const int middle = reach_ + window;
-  const int samples = 2 * middle + 1;
   const auto count = static_cast<int>(edges.size());
   ForRangesParallel(count, count, [&](const cv::Range& part) {
     Sums sums;
     for (int k = part.start; k < part.end; ++k) {
-      const TofEdge& edge = edges[static_cast<size_t>(k)];
-      // The image in which the far surface beside the edge is seen by the other camera, too.
-      const bool is_left = edge.normal.x() >= 0;
+      const auto index = static_cast<size_t>(k);
+      const TofEdge& edge = edges[index];
       const View in_left{left, right, -1, edge.left.x(), edge.left.y()};
       const View in_right{right, left, 1, edge.left.x() - edge.near_px, edge.left.y()};
-      const View& view = is_left ? in_left : in_right;
-      const cv::Rect image({}, left.size());
-      const auto last_column = static_cast<float>(image.width - 1);
-      sums.preference.assign(static_cast<size_t>(samples) + 1, 0);
-      sums.grey.assign(static_cast<size_t>(samples) + 1, 0);
-      for (int i = 0; i < samples; ++i) {
-        const int place = i - middle;
-        const double on_plane = std::clamp<double>(place, -sizes.plane_px, sizes.plane_px);
-        const double to_near = view.to_there * (edge.near_px + edge.near_slope * on_plane);
-        const double to_far = view.to_there * (edge.far_px + edge.far_slope * on_plane);
-        float preference = 0;
-        ForEachPixel(view, edge.normal, place, [&](int u, int v) {
-          if (!image.contains({u, v})) return;
-          const float grey = view.here(v, u);
-          const uint8_t* row = view.there[v];
-          preference += Misfit(row, last_column, static_cast<float>(u + to_far), grey) -
-                        Misfit(row, last_column, static_cast<float>(u + to_near), grey);
-        });
-        float grey = 0;
-        ForEachPixel(in_left, edge.normal, place, [&](int u, int v) {
-          grey += left(std::clamp(v, 0, left.rows - 1), std::clamp(u, 0, left.cols - 1));
-        });
-        sums.preference[static_cast<size_t>(i) + 1] = preference;
-        sums.grey[static_cast<size_t>(i) + 1] = grey;
-      }
-      AddUp(sums.preference);
-      AddUp(sums.grey);
-      float* profile = profiles_.data() + static_cast<size_t>(k) * places_;
-      for (size_t t = 0; t < places_; ++t) {
-        // The pixel at the place itself speaks for neither side.
-        const size_t first = t;
-        const size_t place = t + static_cast<size_t>(window);
-        const size_t end = place + 1 + static_cast<size_t>(window);
-        const auto inside_less_outside = [&](const std::vector<float>& sum) {
-          return (sum[place] - sum[first] - sum[end] + sum[place + 1]) / static_cast<float>(window);
-        };
-        const float contrast =
-            std::min(std::abs(inside_less_outside(sums.grey)), Rules::kMaxContrast) /
-            Rules::kMaxContrast;
-        profile[t] = inside_less_outside(sums.preference) / 2 +
-                     Rules::kContrastWeight * contrast;  // eq. (A4)
-      }
+      // The image in which the far surface beside the edge is seen by the other camera, too.
+      const View& view = edge.normal.x() >= 0 ? in_left : in_right;
+      SumAlong(view, in_left, edge, reach_ + sizes.window, sizes.plane_px, sums);
+      WriteProfile(sums, sizes.window, std::span(profiles_).subspan(index * places_, places_));
     }
   });
 }

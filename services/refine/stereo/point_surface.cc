@@ -60,8 +60,8 @@ double PointSurface::Distance(int index, cv::Point cell) const {
 void PointSurface::PutIntoCells() {
   own_.setTo(kNone);
   for (size_t i = 0; i < seeds_.size(); ++i) {
-    const cv::Point cell(grid_.At(seeds_[i].u), grid_.At(seeds_[i].v));
-    if (!cv::Rect({}, own_.size()).contains(cell)) continue;
+    const cv::Point cell = grid_.CellOf(seeds_[i].u, seeds_[i].v);
+    if (!grid_.Has(cell)) continue;
     const auto index = static_cast<int>(i);
     if (Distance(index, cell) < Distance(own_(cell), cell)) own_(cell) = index;
   }
@@ -71,7 +71,6 @@ void PointSurface::FindNearest(size_t quadrant) {
   const auto [across, down] = kQuadrants[quadrant];
   cv::Mat1i& nearest = quadrant_[quadrant];
   own_.copyTo(nearest);
-  const cv::Rect all({}, own_.size());
   for (int i = 0; i < own_.rows; ++i) {
     const int y = down > 0 ? own_.rows - 1 - i : i;
     for (int j = 0; j < own_.cols; ++j) {
@@ -79,8 +78,8 @@ void PointSurface::FindNearest(size_t quadrant) {
       if (nearest(cell) != kNone) continue;
       const cv::Point beside = cell + cv::Point(across, 0);
       const cv::Point below = cell + cv::Point(0, down);
-      const int one = all.contains(beside) ? nearest(beside) : kNone;
-      const int other = all.contains(below) ? nearest(below) : kNone;
+      const int one = grid_.Has(beside) ? nearest(beside) : kNone;
+      const int other = grid_.Has(below) ? nearest(below) : kNone;
       nearest(cell) = Distance(one, cell) <= Distance(other, cell) ? one : other;
     }
   }
@@ -93,7 +92,7 @@ PointSurface::Around PointSurface::AroundCell(cv::Point cell) const {
   Around around;
   for (size_t i = 0; i < kSectors; ++i) {
     const cv::Point next = cell + steps[i];
-    around[i] = cv::Rect({}, own_.size()).contains(next) ? quadrant_[i](next) : kNone;
+    around[i] = grid_.Has(next) ? quadrant_[i](next) : kNone;
   }
   return around;
 }

@@ -24,6 +24,11 @@ struct CellGrid {
     return static_cast<int>(std::floor((position + 0.5) / spacing_px));
   }
 
+  cv::Point CellOf(double u, double v) const { return {At(u), At(v)}; }
+
+  /// Whether a cell is one of the grid, as that of a position outside the image is not.
+  bool Has(cv::Point cell) const { return cv::Rect({}, size).contains(cell); }
+
   /// The middle of a cell, px of the image.
   cv::Point2d CentrePx(cv::Point cell) const {
     return {(cell.x + 0.5) * spacing_px - 0.5, (cell.y + 0.5) * spacing_px - 0.5};
@@ -47,8 +52,8 @@ class PointSurface {
   /// O(1); thread-safe.
   double SigmaPx(cv::Point cell) const;
 
-  /// How far the planes of the points around a cell are from a disparity at its centre, at least,
-  /// px; infinite when there are no points. O(1); thread-safe.
+  /// The least difference, px, between a disparity and what the planes of the points around a cell
+  /// are at its centre; infinite when there are no points. O(1); thread-safe.
   double OffPx(cv::Point cell, double disparity_px) const;
 
  private:

@@ -105,8 +105,8 @@ void StereoSeedFinder::FindUncovered(const CellGrid& grid, std::span<const Seed>
                                      double scale) {
   cv::Mat1b with_points(grid.size, uint8_t{0});
   for (const cv::Point2f& point : covered) {
-    const cv::Point cell(grid.At(point.x), grid.At(point.y));
-    if (cv::Rect({}, grid.size).contains(cell)) with_points(cell) = 1;
+    const cv::Point cell = grid.CellOf(point.x, point.y);
+    if (grid.Has(cell)) with_points(cell) = 1;
   }
   cv::dilate(with_points, uncovered_, Disc(gap));
   uncovered_ = 1 - uncovered_;

@@ -29,9 +29,8 @@ int UnsurePoints::Drop(const CellGrid& grid, const RangeNoise& noise, std::span<
   others_.insert(others_.end(), stereo.begin(), stereo.end());
   surface_.Set(others_, grid);
   return static_cast<int>(std::erase_if(points, [&](const Seed& point) {
-    const cv::Point cell(grid.At(point.u), grid.At(point.v));
-    return Is(point, noise) && cv::Rect({}, grid.size).contains(cell) &&
-           surface_.SigmaPx(cell) < double{point.sigma_px};
+    const cv::Point cell = grid.CellOf(point.u, point.v);
+    return Is(point, noise) && grid.Has(cell) && surface_.SigmaPx(cell) < double{point.sigma_px};
   }));
 }
 

@@ -17,8 +17,8 @@ struct Fattening {
   explicit operator bool() const { return width > 0; }
 };
 
-/// Drops points of near surfaces where the images show a farther one that lies beside them. Asked
-/// pixel by pixel from the edges on, as long as that is so at many of the near points there.
+/// Drops points of near surfaces where the images show the farther surface that lies beside them:
+/// at the edges first, then one pixel further in, as long as that is so at many points there.
 /// @param left, right  the rectified pair, grey.
 /// @param noise_px  of the points, one standard deviation: what noise makes is no edge.
 /// @param points  those that the surface was made of; of a right sensor all stay.

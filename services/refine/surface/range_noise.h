@@ -9,15 +9,15 @@
 
 namespace sprout::refine {
 
-/// By how much a point of a range sensor lies beside the mean of its neighbours on either side:
-/// along its row or its column, whichever is more.
+/// How far the disparity of a range point is from the mean of its neighbours on either side, along
+/// its row or its column, whichever is more: e of eq. (N1) of the README.
 struct Deviation {
-  float disparity_px;
-  float off_px;      ///< ≥ 0
-  size_t block = 0;  ///< of NoiseOfBlocks()
+  float disparity_px;  ///< of the point
+  float off_px;        ///< e, ≥ 0
+  size_t block = 0;    ///< of NoiseOfBlocks()
 };
 
-/// Standard deviation of range points as a function of their disparity, see "noise" in the README:
+/// Standard deviation of range points as a function of their disparity, eq. (N1) of the README:
 /// σ(d) = s Dᵏ with D = d − d(infinity). In metres the noise grows with z² (k = 0: a ToF camera,
 /// which gets less light from afar), with z (k = 1), or is the same everywhere (k = 2: a lidar).
 struct RangeNoise {
@@ -37,9 +37,10 @@ RangeNoise FindRangeNoise(const std::vector<Deviation>& deviations, double infin
 /// The noise that the deviations of each block show, px; 0 where they are few. O(deviations).
 std::vector<double> NoiseOfBlocks(const std::vector<Deviation>& deviations, size_t blocks);
 
-/// Standard deviation of the points' disparities, px, by how far beside them the images match best.
-/// In contrast to FindRangeNoise() it does not take the shape of what lies between points that
-/// are far apart for noise; but a match errs as well, so noise below 0.5 px is not seen.
+/// Standard deviation of the points' disparities, px, from how far off them the images match best,
+/// eq. (N2) of the README. FindRangeNoise() takes the shape of what lies between points that are
+/// far apart for noise, too; this does not. But a match errs as well, so noise below 0.5 px is not
+/// seen.
 ///
 /// @param left, right  rectified pair, grey, of one size.
 /// @returns infinity where no point has its windows in both images.

@@ -18,8 +18,8 @@ struct Smoothing {
   explicit operator bool() const { return edge_width > 0; }
 };
 
-/// Drops the points of a smoothed range image that differ by the width of its edges: those from
-/// whose plane one within that many pixels lies off, along rows, columns and diagonals.
+/// Drops the points beside the edges of a smoothed range image: a point is dropped if along rows,
+/// columns or diagonals another one, no farther than the edges are wide, lies off its plane.
 /// @param points  those that the surface was made of; in a sharp image all stay.
 /// O(ToF pixels), in a smoothed image O(ToF pixels · width). No I/O; one thread.
 Smoothing DropSmoothed(const TofSurface& surface, std::vector<ProjectedPoint>& points);

@@ -30,6 +30,35 @@ float Gentler(float a, float b) {
   return std::abs(a) <= std::abs(b) ? a : b;
 }
 
+// The least-squares plane through cells around (0, 0): sums over them.
+struct PlaneSums {
+  double n = 0, x = 0, y = 0, xx = 1e-3, yy = 1e-3, xy = 0, d = 0, xd = 0, yd = 0;
+
+  void Add(int across, int down, double disparity) {
+    n += 1;
+    x += across;
+    y += down;
+    xx += across * across;
+    yy += down * down;
+    xy += across * down;
+    d += disparity;
+    xd += across * disparity;
+    yd += down * disparity;
+  }
+
+  // Its slopes a cell; 0 where all cells lie on one line. @pre n > 0.
+  cv::Point2d Slope() const {
+    const double sxx = xx - x * x / n;
+    const double syy = yy - y * y / n;
+    const double sxy = xy - x * y / n;
+    const double sxd = xd - x * d / n;
+    const double syd = yd - y * d / n;
+    const double det = sxx * syy - sxy * sxy;
+    if (!(det > 1e-2)) return {};
+    return {(syy * sxd - sxy * syd) / det, (sxx * syd - sxy * sxd) / det};
+  }
+};
+
 // An order of all points of a ToF image.
 bool IsNearer(const ProjectedPoint& a, const ProjectedPoint& b) {
   const auto key = [](const ProjectedPoint& point) {
@@ -197,8 +226,7 @@ TofSurface::Plane TofSurface::PlaneOf(const ProjectedPoint& point, double tolera
   const double rise_across = step(1);
   const double rise_down = step(stride_);
   Plane plane;
-  // Sums over the cells around, of what they are off the plane of the piece.
-  double n = 0, x = 0, y = 0, xx = 1e-3, yy = 1e-3, xy = 0, d = 0, xd = 0, yd = 0;
+  PlaneSums sums;  // of what the cells around are off the plane of the gentlest steps
   for (int down = -1; down <= 1; ++down) {
     const float* row = at + down * stride_;
     for (int across = -1; across <= 1; ++across) {
@@ -209,33 +237,17 @@ TofSurface::Plane TofSurface::PlaneOf(const ProjectedPoint& point, double tolera
         (off > 0 ? plane.has_nearer : plane.has_farther) = true;
         continue;
       }
-      n += 1;
-      x += across;
-      y += down;
-      xx += across * across;
-      yy += down * down;
-      xy += across * down;
-      d += off;
-      xd += across * off;
-      yd += down * off;
+      sums.Add(across, down, off);
     }
   }
   // A nearer point of its cell stands in for it, and nothing else lies on its surface.
-  if (n == 0) {
+  if (sums.n == 0) {
     plane.disparity = double{here};
     return plane;
   }
-  // Sums of squares and products with the means taken off.
-  const double sxx = xx - x * x / n;
-  const double syy = yy - y * y / n;
-  const double sxy = xy - x * y / n;
-  const double sxd = xd - x * d / n;
-  const double syd = yd - y * d / n;
-  const double det = sxx * syy - sxy * sxy;
-  const double across = det > 1e-2 ? (syy * sxd - sxy * syd) / det : 0;
-  const double down = det > 1e-2 ? (sxx * syd - sxy * sxd) / det : 0;
-  plane.disparity = double{here} + (d - across * x - down * y) / n;
-  plane.slope = {(rise_across + across) / column_px_, (rise_down + down) / row_px_};
+  const cv::Point2d slope = sums.Slope();
+  plane.disparity = double{here} + (sums.d - slope.x * sums.x - slope.y * sums.y) / sums.n;
+  plane.slope = {(rise_across + slope.x) / column_px_, (rise_down + slope.y) / row_px_};
   return plane;
 }
 

@@ -34,9 +34,9 @@ struct UnwrappingRules {
 
 /// Finds surfaces beyond the unambiguous range of a phase camera, which come back that range too
 /// near. A surface of the ToF image lies either where it says or one range farther. The images
-/// decide between the two: at its true place the windows around its points correlate. Where they
-/// have no texture, the amplitude decides, which falls with the square of the range: a surface that
-/// is too black to be so near is far.
+/// decide between the two by eq. (U1) of the README: at its true place the windows around its
+/// points correlate. Where they have no texture, the amplitude decides, which falls with the square
+/// of the range: a surface that is too black to be so near is far.
 class RangeUnwrapper {
  public:
   /// Moves the points of such surfaces to where they are, and removes those of surfaces that the
