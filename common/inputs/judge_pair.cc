@@ -49,6 +49,11 @@ struct PairRules {
   /// what is thousands of baselines away is.
   static constexpr double kSamePx = 0.3;
   static constexpr double kSameShare = 0.95;
+  /// Ranges speak for the order of the images with so many matches beside points, of which more
+  /// than the first share agree; against it, where also less than the second agree as it is.
+  static constexpr int kFewCompared = 25;
+  static constexpr double kRangesAgree = 0.7;
+  static constexpr double kRangesDisagree = 0.3;
 };
 
 // More than by chance.
@@ -155,10 +160,13 @@ Finding JudgeSides(const cv::Mat1b& left, const cv::Mat1b& right, const Rectifie
   finding.value = 100 * behind;
   finding.sigma =
       100 * std::sqrt(behind * (1 - behind) / static_cast<double>(model.inliers.size()));
-  const bool ranges_agree =
-      ranges != nullptr && ranges->as_is.compared >= 25 && ranges->as_is.share() > 0.7;
-  const bool ranges_say_swapped = ranges != nullptr && ranges->swapped.compared >= 25 &&
-                                  ranges->swapped.share() > 0.7 && ranges->as_is.share() < 0.3;
+  const auto agree = [](const Agreement& agreement) {
+    return agreement.compared >= PairRules::kFewCompared &&
+           agreement.share() > PairRules::kRangesAgree;
+  };
+  const bool ranges_agree = ranges != nullptr && agree(ranges->as_is);
+  const bool ranges_say_swapped = ranges != nullptr && agree(ranges->swapped) &&
+                                  ranges->as_is.share() < PairRules::kRangesDisagree;
   if (AreOnePicture(model.inliers)) {
     finding.verdict = Verdict::kBad;
     finding.text =
@@ -233,18 +241,19 @@ Finding JudgeBits(const cv::Mat1b& left, const cv::Mat1b& right) {
   double of_right = 0;
   cv::minMaxLoc(SomeRows(left), nullptr, &of_left);
   cv::minMaxLoc(SomeRows(right), nullptr, &of_right);
-  finding.value = 100 * std::min(of_left, of_right) / 255;
+  const double brightest = std::min(of_left, of_right);
+  finding.value = 100 * brightest / 255;
   const double left_contrast = ContrastOf(left);
   const double right_contrast = ContrastOf(right);
   const double clipped = std::max(ShareClipped(left), ShareClipped(right));
-  if (finding.value * 2.55 > PairRules::kFewLevels &&
+  if (brightest > PairRules::kFewLevels &&
       std::min(left_contrast, right_contrast) < PairRules::kBlank) {
     finding.verdict = Verdict::kBad;
     finding.text = fmt::format(
         "the {} image is blank: its grey values differ by {:.1f} from their mean; is the camera "
         "covered, or blinded?",
         left_contrast < right_contrast ? "left" : "right", std::min(left_contrast, right_contrast));
-  } else if (finding.value * 2.55 <= PairRules::kFewLevels) {
+  } else if (brightest <= PairRules::kFewLevels) {
     finding.verdict = Verdict::kBad;
     finding.text = fmt::format(
         "the brightest grey values are {:.0f} and {:.0f} of 255: images of 10 or 12 bits in 16 "

@@ -11,29 +11,33 @@ namespace sprout::inputs {
 namespace {
 
 struct RangeVerdicts {
-  static constexpr int kFewCompared = 25;  ///< matches that say something of the ranges
-  static constexpr int kSomeCompared = 40;
-  static constexpr double kSure = 4;     ///< standard deviations, see MoreAgree()
-  static constexpr double kHits = 0.02;  ///< share of the values that has to hit the picture
+  static constexpr int kFewCompared = 25;   ///< matches that say something of the ranges
+  static constexpr int kSomeCompared = 40;  ///< and of moves, which differ less
+  static constexpr double kSure = 4;        ///< standard deviations, see MoreAgree()
+  static constexpr double kHits = 0.02;     ///< share of the values that has to hit the picture
   /// Share of those in the left picture that has to hit the right one, too, where there are many.
   static constexpr double kHitsBoth = 0.05;
   static constexpr int kManyInPicture = 100;
   /// Share of the matches that agrees with a background of one range.
   static constexpr double kBackground = 0.2;
-  static constexpr double kGood = 0.7;  ///< share that agrees: 0.81 to 1 in good frames
-  static constexpr double kOfOneMoment = 0.8;
-  static constexpr double kHalf = 0.5;
+  /// Shares of the matches that agree: 0.81 to 1 in good frames.
+  static constexpr double kGood = 0.7;         ///< the scale is right; or a move explains the frame
+  static constexpr double kOfOneMoment = 0.8;  ///< ranges and images are of one moment
+  static constexpr double kHalf = 0.5;         ///< least of another turn or scale
+  /// By how much more must agree with another turn, scale, or move ahead than with none.
   static constexpr double kTurnedGain = 0.2;
   static constexpr double kScaledGain = 0.25;
-  static constexpr double kMinFactor = 0.03;  ///< of |ln(factor)|
   static constexpr double kMovedGain = 0.1;
-  static constexpr double kMovedSure = 2.5;
+  static constexpr double kMovedSure = 2.5;   ///< standard deviations of that of a move
+  static constexpr double kMinFactor = 0.03;  ///< of |ln(factor)|: less is a device's own error
   /// Up to 2.7 where a device's own error or a moved sensor explains more; displaced by 3 % of the
   /// picture from 2.8 on.
   static constexpr double kShiftedSure = 3;
-  static constexpr double kShiftedGain = 0.08;
+  static constexpr double kShiftedGain = 0.08;  ///< as kMovedGain, of moves in the picture
+  /// Neighbours that show noise: so many pairs at least, and the share of them that are apart (at
+  /// most 0.08 in a scene).
   static constexpr int kFewPairs = 100;
-  static constexpr double kNoise = 0.5;  ///< share of pairs that are apart: at most 0.08 in a scene
+  static constexpr double kNoise = 0.5;
   /// Smaller moves may be a device's own error, which Refiner corrects or reports.
   static constexpr double kMinMoveM = 0.2;
 };
@@ -147,62 +151,63 @@ bool IsExplained(const RangeModel& model) {
   return IsScaled(model) || IsTurned(model) || IsSpread(model) || IsElsewhere(model, model.shifted);
 }
 
-Finding JudgeHits(const RangeModel& model) {
-  Finding finding{.question = Question::kHits};
-  const double share = model.values == 0 ? 0 : static_cast<double>(model.in_picture) / model.values;
-  finding.value = 100 * share;
-  finding.sigma = 0;
-  finding.text = fmt::format(
+double Share(int some, int all) { return all == 0 ? 0 : static_cast<double>(some) / all; }
+
+std::string ReturnsText(const RangeModel& model) {
+  return fmt::format(
       "{} of {} pixels of the range image have a return, {} of them fall into the picture",
       model.returns, model.pixels, std::min(model.in_picture, model.returns));
-  const double apart = model.pairs == 0 ? 0 : static_cast<double>(model.apart) / model.pairs;
+}
+
+// What is wrong with the ranges by themselves; empty: nothing.
+std::string FaultOf(const RangeModel& model) {
+  const double apart = Share(model.apart, model.pairs);
   if (model.pairs >= RangeVerdicts::kFewPairs && apart > RangeVerdicts::kNoise) {
-    finding.verdict = Verdict::kBad;
-    finding.text = fmt::format(
+    return fmt::format(
         "{:.0f} % of the ranges side by side differ by more than a tenth: is it noise, or are "
         "bytes in another order?",
         100 * apart);
-    return finding;
   }
   // What lies so near that the right camera does not see it becomes no seed and is never compared.
   if (model.in_picture >= RangeVerdicts::kManyInPicture &&
       model.in_both < RangeVerdicts::kHitsBoth * model.in_picture) {
-    finding.verdict = Verdict::kBad;
-    finding.text = fmt::format(
+    return fmt::format(
         "{} of {} range points in the left picture lie outside the right one, as what is too near: "
         "in which unit are ranges (--tof-unit), where does the range sensor stand (rig file), and "
         "do focal length and baseline belong to these images?",
         model.in_picture - model.in_both, model.in_picture);
-    return finding;
   }
   const RepeatedRange& repeated = model.repeated;
   if (repeated.count > 0 && repeated.agreeing <= RangeVerdicts::kBackground * repeated.compared &&
       !IsExplained(model)) {
-    finding.verdict = Verdict::kBad;
-    finding.text = fmt::format(
+    return fmt::format(
         "{} pixels of the range image have exactly {:.3f} m, and no other more than {:.3f} m: is "
         "that what the sensor says where it measures nothing? give 0 there",
         repeated.count, repeated.depth_m, repeated.next_m);
-    return finding;
   }
-  if (model.returns > 0 && share >= RangeVerdicts::kHits) {
-    finding.verdict = Verdict::kGood;
-    return finding;
-  }
-  finding.verdict = Verdict::kBad;
   if (model.returns > 0) {
-    finding.text += ": where does the range sensor stand, and in which unit are ranges (rig file)?";
-  } else if (model.values > 0) {
-    finding.text =
-        fmt::format("all {} ranges are beyond {:.0f} m: are they in mm, and read as m? --tof-unit",
-                    model.values, kMaxTofDepthM);
-  } else {
-    finding.text = fmt::format(
-        "none of the {} pixels of the range image has a return: is the range "
-        "sensor running, and does it look where the cameras do?",
-        model.pixels);
+    if (Share(model.in_picture, model.values) >= RangeVerdicts::kHits) return "";
+    return ReturnsText(model) +
+           ": where does the range sensor stand, and in which unit are ranges (rig file)?";
   }
-  return finding;
+  if (model.values > 0) {
+    return fmt::format(
+        "all {} ranges are beyond {:.0f} m: are they in mm, and read as m? --tof-unit",
+        model.values, kMaxTofDepthM);
+  }
+  return fmt::format(
+      "none of the {} pixels of the range image has a return: is the range "
+      "sensor running, and does it look where the cameras do?",
+      model.pixels);
+}
+
+Finding JudgeHits(const RangeModel& model) {
+  const std::string fault = FaultOf(model);
+  return {.question = Question::kHits,
+          .verdict = fault.empty() ? Verdict::kGood : Verdict::kBad,
+          .value = 100 * Share(model.in_picture, model.values),
+          .sigma = 0,
+          .text = fault.empty() ? ReturnsText(model) : fault};
 }
 
 std::string SideText(double px, const char* less, const char* more) {
