@@ -2,7 +2,14 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 namespace sprout::inputs {
+namespace {
+
+constexpr int64_t kFewestWithout = 10;  // frames: half a second of quick cameras
+
+}  // namespace
 
 std::string RangeWatch::Add(const TofImage& tof, const SeedSet& seeds, const SeedSet& left_seeds) {
   const bool came = !tof.depth_m.empty();
@@ -11,12 +18,19 @@ std::string RangeWatch::Add(const TofImage& tof, const SeedSet& seeds, const See
   const bool became =
       hit && (CountTofSeeds(seeds.seeds) > 0 || CountTofSeeds(left_seeds.seeds) > 0);
   ++frames_;
-  if (came) ++came_;
+  if (came) {
+    if (came_ > 0) longest_pause_ = std::max(longest_pause_, without_);
+    without_ = 0;
+    ++came_;
+  } else {
+    ++without_;
+  }
   if (returned) ++returned_;
   if (hit) ++hit_;
   if (became) ++became_seeds_;
   Step step = Step::kNone;
   if (!came) {
+    if (without_ <= std::max(kFewestWithout, 2 * longest_pause_)) return {};
     if (came_ > 0) step = Step::kCame;
   } else if (!returned) {
     if (returned_ > 0) step = Step::kReturns;
