@@ -45,10 +45,11 @@ struct PairRules {
   /// Right over left or left over right: 0.83 (ETH3D's playground) to 1.01 in good pairs. At 0.8
   /// preset `fast` loses most of its pixels, from 0.7 on `default` much confidence (NOTES.md).
   static constexpr double kMaxContrast = 1.23;
-  /// The same picture twice: so many of the matches are at one place, to so many px. Of a pair only
-  /// what is thousands of baselines away is.
-  static constexpr double kSamePx = 0.3;
-  static constexpr double kSameShare = 0.95;
+  /// The same picture twice: so many of the matches are at one place, to so many px, also where one
+  /// of them was blurred or compressed to a tenth. Of a pair only what is thousands of baselines
+  /// away is.
+  static constexpr double kSamePx = 0.5;
+  static constexpr double kSameShare = 0.9;
   /// Ranges speak for the order of the images with so many matches beside points, of which more
   /// than the first share agree; against it, where also less than the second agree as it is.
   static constexpr int kFewCompared = 25;

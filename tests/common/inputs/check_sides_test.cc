@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
@@ -101,6 +102,10 @@ TEST(CheckInputs, SaysThatOneFileIsGivenTwice) {
   cv::Mat1b noise(parts.left.size());
   cv::RNG(2).fill(noise, cv::RNG::UNIFORM, 0, 5);
   parts.right = parts.left + noise;
+  ExpectBad(parts, Question::kSides, "same picture");
+  std::vector<uint8_t> jpeg;
+  cv::imencode(".jpg", parts.left, jpeg, {cv::IMWRITE_JPEG_QUALITY, 10});
+  parts.right = cv::imdecode(jpeg, cv::IMREAD_GRAYSCALE);
   ExpectBad(parts, Question::kSides, "same picture");
 }
 
