@@ -121,6 +121,9 @@ bool AllFinite(const double (&values)[kSize]) {
 // image's.
 constexpr double kWorstFitPx = 0.5;
 
+constexpr char kFocalLength[] = "a focal length > 0 (0: the camera is not calibrated)";
+constexpr char kWholeImage[] = "0: the whole image";
+
 // K and D as Brown's model has them, or comes near them; without coefficients every model is a
 // pinhole.
 Result<Lens> LensOf(const RosCameraInfo& ros) {
@@ -136,9 +139,8 @@ Result<Lens> LensOf(const RosCameraInfo& ros) {
   const bool is_fisheye = model == "equidistant" || model == "fisheye";
   const bool is_opencvs = model.empty() || model == "plumb_bob" || model == "rational_polynomial";
   Checks checks;
-  checks
-      .Require(ros.k[0] > 0 && ros.k[4] > 0, "k[0]", ros.k[0],
-               "a focal length > 0 (0: the camera is not calibrated)")
+  checks.Require(ros.k[0] > 0, "k[0]", ros.k[0], kFocalLength)
+      .Require(ros.k[4] > 0, "k[4]", ros.k[4], kFocalLength)
       .Require(AllFinite(ros.k), "k", "not finite", "finite numbers")
       .Require(std::ranges::all_of(d, [](double value) { return std::isfinite(value); }), "d",
                "not finite", "finite numbers")
@@ -280,11 +282,12 @@ Result<RosCamera> FromRosInfo(const RosCameraInfo& ros, bool is_rectified) {
       .Pixels("width × height", SideOf(ros.width), SideOf(ros.height))
       .Require(AllFinite(ros.r), "r", "not finite", "finite numbers")
       .Require(AllFinite(ros.p), "p", "not finite", "finite numbers")
-      .Require(!is_rectified || (ros.p[0] > 0 && ros.p[5] > 0), "p[0]", ros.p[0],
-               "a focal length > 0 (0: the camera is not calibrated)")
-      .Require(ros.binning_x <= 1 && ros.binning_y <= 1, "binning_x", ros.binning_x, "0 and 1")
-      .Require(ros.roi.x_offset == 0 && ros.roi.y_offset == 0, "roi.x_offset", ros.roi.x_offset,
-               "the whole image");
+      .Require(!is_rectified || ros.p[0] > 0, "p[0]", ros.p[0], kFocalLength)
+      .Require(!is_rectified || ros.p[5] > 0, "p[5]", ros.p[5], kFocalLength)
+      .Require(ros.binning_x <= 1, "binning_x", ros.binning_x, "0 and 1")
+      .Require(ros.binning_y <= 1, "binning_y", ros.binning_y, "0 and 1")
+      .Require(ros.roi.x_offset == 0, "roi.x_offset", ros.roi.x_offset, kWholeImage)
+      .Require(ros.roi.y_offset == 0, "roi.y_offset", ros.roi.y_offset, kWholeImage);
   if (!checks.ok()) return checks.error();
   RosCamera camera{.width = SideOf(ros.width),
                    .height = SideOf(ros.height),

@@ -108,6 +108,19 @@ TEST(FromRos, RefusesCamerasThatAreNotCalibrated) {
   EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("p = not finite"));
 }
 
+TEST(FromRos, NamesTheFieldThatIsWrong) {
+  auto info = ToRosLeftInfo(Place(), examples::Rig().pair);
+  info->k[4] = 0;
+  EXPECT_THAT(ErrorOf(FromRosInfo(*info)->lens), HasSubstr("k[4] = 0: allowed is"));
+  info->p[5] = 0;
+  EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("p[5] = 0: allowed is a focal length > 0"));
+  info = ToRosLeftInfo(Place(), examples::Rig().pair);
+  info->roi.y_offset = 20;
+  EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("roi.y_offset = 20: allowed is 0"));
+  info->binning_y = 2;
+  EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("binning_y = 2: allowed is 0 and 1"));
+}
+
 TEST(FromRos, TakesARectificationThatIsLeftOutOrRounded) {
   auto info = ToRosLeftInfo(Place(), examples::Rig().pair);
   for (double& r : info->r) r = 0;
