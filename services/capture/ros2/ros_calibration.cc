@@ -22,8 +22,14 @@ constexpr int64_t kMaxOvertakenUs = 1'000'000;
 // Most frames of /tf whose poses are kept: trackers give what they see ever new names.
 constexpr size_t kMaxPoses = 10'000;
 
-// Most frames that are named whose transforms cannot be used.
-constexpr size_t kMaxUnusable = 20;
+// Most frames that are named whose transforms cannot be used, or come from several parents.
+constexpr size_t kMaxNamed = 20;
+
+// ROS 1 allowed a slash in front of a frame, and what was converted from it may have one in some of
+// its messages.
+std::string_view FrameName(std::string_view frame) {
+  return frame.substr(frame.starts_with('/') ? 1 : 0);
+}
 
 // A message behind CDR's header and the stamp.
 std::span<const uint8_t> BehindStamp(const RosBytes& message) {
@@ -74,11 +80,16 @@ Result<bool> RosCalibration::TakeTransforms(const RosBytes& message) {
     Result<RosPose> pose = FromRosTransform(one);
     if (!pose) {  // of some other joint, mostly
       if (outcome) outcome = tl::unexpected(pose.error());
-      if (unusable_.size() < kMaxUnusable) unusable_.emplace(RosText(one.child_frame_id));
+      if (unusable_.size() < kMaxNamed) unusable_.emplace(FrameName(RosText(one.child_frame_id)));
       continue;
     }
     is_any_usable = true;
-    if (poses_.size() == kMaxPoses && !poses_.contains(pose->child)) continue;
+    pose->parent = FrameName(pose->parent);
+    pose->child = FrameName(pose->child);
+    const auto known = poses_.find(pose->child);
+    if (poses_.size() == kMaxPoses && known == poses_.end()) continue;
+    const bool has_moved = known != poses_.end() && known->second.parent != pose->parent;
+    if (has_moved && moved_.size() < kMaxNamed) moved_.insert(pose->child);
     unusable_.erase(pose->child);
     poses_.insert_or_assign(pose->child, *std::move(pose));
   }
@@ -133,15 +144,16 @@ std::string RosCalibration::OtherFrame(const RosBytes& message) const {
   };
   const std::string frame = message.is_compressed ? frame_of.operator()<RosCompressedImage>()
                                                   : frame_of.operator()<RosImage>();
-  if (frame.empty() || frame == depth_->frame) return "";
+  if (frame.empty() || FrameName(frame) == FrameName(depth_->frame)) return "";
   return "range images of " + settings_.depth + " are of frame '" + Printable(frame) +
          "', and their CameraInfo " + settings_.depth_info + " of '" + Printable(depth_->frame) +
          "', whose place is taken";
 }
 
 // Pose of a frame in the root frame, the one that has no parent.
-std::optional<RosPose> RosCalibration::PoseInRoot(std::string frame) const {
-  RosPose pose{.parent = frame, .child = frame};
+std::optional<RosPose> RosCalibration::PoseInRoot(std::string_view frame) const {
+  const std::string name(FrameName(frame));
+  RosPose pose{.parent = name, .child = name};
   for (size_t steps = 0; steps <= poses_.size(); ++steps) {
     const auto up = poses_.find(pose.parent);
     if (up == poses_.end()) return pose;
@@ -196,6 +208,8 @@ std::string RosCalibration::MissingTransform() const {
   if (count > kMost) text += " and " + std::to_string(count - kMost) + " more";
   if (!unusable_.empty()) text += "; not usable (no rotation, or not finite):";
   for (const std::string& child : unusable_) text += " " + child;
+  if (!moved_.empty()) text += "; of several parents the newest counts:";
+  for (const std::string& child : moved_) text += " " + child;
   return text + "; allowed: tf=TOPIC, or pose=x,y,z,qx,qy,qz,qw of the range sensor";
 }
 

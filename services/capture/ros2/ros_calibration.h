@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -60,7 +61,7 @@ class RosCalibration {
   Result<bool> TakeInfo(const RosBytes& message, std::optional<Named>& to);
   Result<bool> TakePointsFrame(const RosBytes& message);
   Result<bool> TakeTransforms(const RosBytes& message);
-  std::optional<RosPose> PoseInRoot(std::string frame) const;
+  std::optional<RosPose> PoseInRoot(std::string_view frame) const;
   std::optional<Pose> LeftFrom(const std::string& frame) const;
   const std::string& RangeFrame() const;
   std::optional<Pose> LeftFromRange() const;
@@ -74,6 +75,7 @@ class RosCalibration {
   std::vector<uint8_t> points_frame_cdr_;  // as messages have it
   std::map<std::string, RosPose> poses_;   // by child
   std::set<std::string> unusable_;         // children whose newest transform is no pose
+  std::set<std::string> moved_;            // children that came with another parent before
   int64_t changed_utime_ = 0;
 };
 

@@ -149,6 +149,47 @@ TEST(RosForeign, TransformsMayBeOnOtherTopics) {
   }
 }
 
+TEST(RosForeign, FramesMayHaveASlashInFront) {
+  const Rig rig = examples::Rig();
+  const RosFrames plain;
+  const RosFrames slashed{
+      .left = "/" + plain.left, .right = "/" + plain.right, .tof = "/" + plain.tof};
+  for (const bool is_slashed : {false, true}) {  // the transforms; the messages are the other way
+    const RosFrames& of_messages = is_slashed ? plain : slashed;
+    RosRecording file;
+    AddPairs(file, 1);
+    file.AddImage("/tof/image", kStart, examples::Tof(false).depth_m);
+    file.Add("/tof/camera_info", ToRosTofInfo({kStart, of_messages.tof}, rig.tof));
+    file.Add("/left/camera_info", ToRosLeftInfo({kStart, of_messages.left}, rig.pair));
+    file.Add("/right/camera_info", ToRosRightInfo({kStart, of_messages.right}, rig.pair));
+    file.Add("/tf_static", ToRosTransforms(kStart, rig, is_slashed ? slashed : plain));
+    const Opened opened = OpenAll(file.Source("&depth=/tof/image"));
+    EXPECT_EQ(RigId(opened.source->rig()), RigId(rig));
+    EXPECT_THAT(opened.told, IsEmpty());
+  }
+}
+
+TEST(RosForeign, AFrameOfSeveralParentsIsNamed) {
+  const Rig rig = examples::Rig();
+  RosRecording file;
+  AddPairs(file, 1);
+  file.AddImage("/tof/image", kStart, examples::Tof(false).depth_m);
+  file.Add("/tof/camera_info", ToRosTofInfo({kStart, RosFrames().tof}, rig.tof));
+  file.Add("/left/camera_info", ToRosLeftInfo({kStart, RosFrames().left}, rig.pair));
+  file.Add("/right/camera_info", ToRosRightInfo({kStart, RosFrames().right}, rig.pair));
+  RosMessage<RosTransforms> both;
+  const std::span two = ResizeRos(both->transforms, 2);
+  for (size_t i = 0; i < 2; ++i) {
+    SetRosText(two[i].header.frame_id, i == 0 ? RosFrames().left : "map");
+    SetRosText(two[i].child_frame_id, RosFrames().tof);
+    two[i].transform.rotation.w = 1;
+  }
+  file.Add("/tf_static", both);
+  EXPECT_THAT(Complaint(file.Source("&depth=/tof/image")),
+              HasSubstr("transforms there: map > sprout_tof_optical_frame; of several parents the "
+                        "newest counts: sprout_tof_optical_frame; allowed: tf=TOPIC"));
+}
+
 // Of two robots nobody says which one it is.
 TEST(RosForeign, TransformsOfSeveralRobotsAreNotGuessed) {
   const Rig rig = examples::Rig();
