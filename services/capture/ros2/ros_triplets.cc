@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/core/image.h"
+#include "common/core/printable.h"
 #include "common/ros/from_ros.h"
 
 namespace sprout::capture {
@@ -39,6 +40,28 @@ RigPlace PlaceOf(RosRole role) {
 }
 
 }  // namespace
+
+void CloudWatch::Add(size_t count, size_t usable, std::string_view frame, const TofImage& image) {
+  if (has_hit_ || count == 0) return;
+  ++clouds_;
+  has_hit_ = std::ranges::any_of(image.depth_m, IsReturn);
+  count_ = count;
+  usable_ = usable;
+  frame_ = frame;
+}
+
+std::string CloudWatch::Trouble(const std::string& topic, bool at_end) {
+  const bool is_due = clouds_ > 0 && !has_hit_ && (at_end || clouds_ >= next_report_);
+  if (!is_due) return {};
+  while (next_report_ <= clouds_) next_report_ *= 10;
+  const size_t left_out = count_ - usable_;
+  return fmt::format(
+      "none of {} points of {} is in the left image{}; allowed are m along the axes of their frame "
+      "'{}' (of an optical one z points ahead), where the transforms, pose or rig file place it",
+      count_, topic,
+      left_out > 0 ? fmt::format(", {} are not finite or beyond 1000 m (in mm?)", left_out) : "",
+      Printable(frame_));
+}
 
 RosTriplets::RosTriplets(const RosSettings& settings, std::optional<cv::Size> size,
                          std::optional<cv::Size> range_size, ImageOfPoints image)
@@ -82,15 +105,24 @@ Result<TimedImage> RosTriplets::DecodeDepth(const RosBytes& message) const {
   return timed;
 }
 
-Result<TimedImage> RosTriplets::Decode(const RosBytes& message) const {
-  if (message.role == RosRole::kDepth) return DecodeDepth(message);
-  if (message.role != RosRole::kPoints) return DecodePicture(message);
+Result<TimedImage> RosTriplets::DecodePoints(const RosBytes& message) {
   TimedImage timed;
-  const auto points =
-      Stamped<RosPointCloud>(message, timed, [](const auto& ros) { return FromRosCloud(ros); });
+  size_t count = 0;
+  std::string frame;
+  const auto points = Stamped<RosPointCloud>(message, timed, [&](const RosPointCloud& ros) {
+    count = size_t{ros.width} * ros.height;
+    frame = RosText(ros.header.frame_id);
+    return FromRosCloud(ros);
+  });
   if (!points) return tl::unexpected(points.error());
   timed.tof = image_of_points_(*points);
+  cloud_watch_.Add(count, points->size(), frame, timed.tof);
   return timed;
+}
+
+Result<TimedImage> RosTriplets::Decode(const RosBytes& message) {
+  if (message.role == RosRole::kDepth) return DecodeDepth(message);
+  return message.role == RosRole::kPoints ? DecodePoints(message) : DecodePicture(message);
 }
 
 Result<void> RosTriplets::Take(const RosBytes& message) {
@@ -161,6 +193,7 @@ scenes::LostFrames RosTriplets::LostSince(bool at_end) {
   if (!lost.trouble.empty() && !at_end) return lost;
   const TofJoins& joins = synchronizer_.tof_joins();
   std::string no_ranges = JoinTrouble(joins, synchronizer_.config(), sensor_, at_end);
+  if (no_ranges.empty()) no_ranges = cloud_watch_.Trouble(sensor_, at_end);
   if (no_ranges.empty()) return lost;
   if (joins.came == 0 && !range_trouble_.empty()) {
     no_ranges = fmt::format("no range image of {} can be used: {}", sensor_, range_trouble_);

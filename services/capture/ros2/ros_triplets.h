@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/picture/eight_bits.h"
@@ -16,6 +17,26 @@ namespace sprout::capture {
 
 /// How a cloud becomes a range image.
 using ImageOfPoints = std::function<TofImage(const std::vector<Eigen::Vector3d>&)>;
+
+/// Whether clouds have points in the left image at all: a turned frame, a transform or points in mm
+/// leave none, and the empty range image does not say why.
+class CloudWatch {
+ public:
+  /// @param count  points of the cloud; of these `usable` are finite and within 1000 m.
+  void Add(size_t count, size_t usable, std::string_view frame, const TofImage& image);
+
+  /// One line when none of the clouds so far had a point there; again after 10, 100, 1000 ... of
+  /// them, `at_end`: of any; else nothing. O(1).
+  std::string Trouble(const std::string& topic, bool at_end);
+
+ private:
+  int64_t clouds_ = 0;  // that had points
+  bool has_hit_ = false;
+  int64_t next_report_ = 10;
+  size_t count_ = 0;  // of the newest cloud
+  size_t usable_ = 0;
+  std::string frame_;
+};
 
 /// Makes triplets of messages: decodes images, puts together those whose stamps are near, counts
 /// what found no partner or cannot be used.
@@ -44,9 +65,10 @@ class RosTriplets {
 
  private:
   Result<void> NoteStamp(std::deque<int64_t>& stamps, int64_t utime);
-  Result<TimedImage> Decode(const RosBytes& message) const;
+  Result<TimedImage> Decode(const RosBytes& message);
   Result<TimedImage> DecodePicture(const RosBytes& message) const;
   Result<TimedImage> DecodeDepth(const RosBytes& message) const;
+  Result<TimedImage> DecodePoints(const RosBytes& message);
   std::string WhyUnpaired() const;
   scenes::LostFrames LostSince(bool at_end);
 
@@ -65,6 +87,7 @@ class RosTriplets {
   std::array<std::deque<int64_t>, 2> stamps_;
   bool begins_ = true;  // until what came before both is forgotten
   double max_spread_ms_;
+  CloudWatch cloud_watch_;
   std::string trouble_;
   std::string range_trouble_;  // of the newest range image that cannot be used
   bool is_finished_ = false;

@@ -11,6 +11,7 @@ namespace {
 
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::StartsWith;
 
 constexpr uint64_t kFrameNs = 100'000'000;
 
@@ -217,6 +218,34 @@ TEST(RosForeign, ThePoseMayBeGiven) {
   EXPECT_EQ(tof.left_from_tof_rotation.z(), 1);
   const Opened shifted = OpenAll(file.Source("&depth=/tof/image&pose=0.1,0,0"));
   EXPECT_EQ(shifted.source->rig().tof.left_from_tof_rotation.w(), 1);
+}
+
+// The line at the end of a recording of three pairs and clouds of these two points.
+std::string CloudTrouble(const Eigen::Vector3f& first, const Eigen::Vector3f& second) {
+  RosRecording file(examples::Rig());
+  PointCloud cloud;
+  for (const Eigen::Vector3f& place : {first, second}) {
+    cloud.points.push_back({.position_m = {place.x(), place.y(), place.z()}, .bgr = {}});
+  }
+  for (int i = 0; i < 3; ++i) {
+    file.AddPair(kStart + 100'000 * i, Grey(i));
+    file.Add("/points", ToRosCloud({kStart + 100'000 * i, RosFrames().left}, cloud));
+  }
+  Told told;
+  const auto source = OpenRosSource(file.Source("&points=/points"), told.Options());
+  EXPECT_EQ(All(*source).size(), 3U);
+  const scenes::LostFrames lost = source->lost_at_end();
+  EXPECT_EQ(lost.lacks_ranges, !lost.trouble.empty());
+  return lost.trouble;
+}
+
+TEST(RosForeign, SaysThatNoPointOfACloudIsInTheImage) {
+  EXPECT_EQ(CloudTrouble({0, 0, 2}, {0, 0, -2}), "");
+  EXPECT_THAT(CloudTrouble({2, 0, 0}, {3, 0, 0}),  // x ahead, as in a body's frame
+              StartsWith("none of 2 points of /points is in the left image; allowed are m along "
+                         "the axes of their frame 'sprout_left_optical_frame'"));
+  EXPECT_THAT(CloudTrouble({0, 0, 2000}, {0, 0, -2}),
+              HasSubstr("image, 1 are not finite or beyond 1000 m (in mm?); allowed are m"));
 }
 
 // A range image that was registered to a camera of the pair has its camera_info, and stands there.
