@@ -48,10 +48,6 @@ bool CarriesFrames(MessageType type) {
          type != MessageType::kProcess && type != MessageType::kRigChange;
 }
 
-std::optional<int64_t> Sequence::last() const {
-  return newest_ ? std::optional(newest_->seq) : std::nullopt;
-}
-
 void Sequence::Add(const FrameId& id) {
   if (std::find(recent_.begin(), recent_.end(), id) != recent_.end()) {
     ++repeated_;
@@ -59,7 +55,8 @@ void Sequence::Add(const FrameId& id) {
   }
   recent_.push_back(id);
   if (recent_.size() > kRecentFrames) recent_.pop_front();
-  if (!first_) first_ = id.seq;
+  first_ = std::min(first_.value_or(id.seq), id.seq);
+  last_ = std::max(last_.value_or(id.seq), id.seq);
   steps_ += newest_ && id.seq > newest_->seq;
   if (newest_ && id.seq - 1 > newest_->seq) {
     const Gap gap{newest_->seq + 1, id.seq - 1};
@@ -70,8 +67,10 @@ void Sequence::Add(const FrameId& id) {
     ++gap_count_;
     if (gaps_.size() < kShownGaps) gaps_.push_back(gap);
   } else if (newest_ && id.seq <= newest_->seq) {
-    if (id.utime <= newest_->utime && id.utime > newest_->utime - kLatest)
-      return;  // not the newest
+    if (id.utime <= newest_->utime && id.utime > newest_->utime - kLatest) {
+      ++late_;
+      return;
+    }
     ++restarts_;
   }
   newest_ = id;

@@ -33,10 +33,11 @@ class Sequence {
   /// @param every  at least 1.
   void ExpectEvery(int64_t every);
 
-  std::optional<int64_t> first() const { return first_; }  ///< number of the first frame
-  std::optional<int64_t> last() const;                     ///< number of the newest frame
+  std::optional<int64_t> first() const { return first_; }  ///< smallest number of a frame
+  std::optional<int64_t> last() const { return last_; }    ///< largest number of a frame
   int64_t missing() const { return missing_; }             ///< missing frame numbers
   int64_t repeated() const { return repeated_; }           ///< repeated frames
+  int64_t late() const { return late_; }                   ///< frames that stand behind later ones
   int64_t restarts() const { return restarts_; }           ///< of capture, with smaller numbers
 
   /// The first few gaps as text: "7, 12-15"; "..." means others. Behind ExpectEvery() "3 in all".
@@ -44,6 +45,7 @@ class Sequence {
 
  private:
   std::optional<int64_t> first_;
+  std::optional<int64_t> last_;
   std::optional<FrameId> newest_;
   std::deque<FrameId> recent_;
   std::vector<Gap> gaps_;  // the first few
@@ -51,6 +53,7 @@ class Sequence {
   int64_t missing_ = 0;
   int64_t steps_ = 0;  // to larger numbers
   int64_t repeated_ = 0;
+  int64_t late_ = 0;
   int64_t restarts_ = 0;
 };
 

@@ -176,6 +176,9 @@ std::string Remarks(const LogSummary& log) {
     if (sequence.missing() > 0) {
       text += fmt::format("{}: frames left out: {}\n", name, sequence.GapText());
     }
+    if (sequence.late() > 0) {
+      text += fmt::format("{}: frames that stand behind later ones: {}\n", name, sequence.late());
+    }
     if (sequence.restarts() > 0) {
       text += fmt::format("{}: frame numbers began anew, times: {}\n", name, sequence.restarts());
     }

@@ -103,6 +103,15 @@ TEST_F(LogInfo, CountsFramesBehindAClockThatWasSetBack) {
   EXPECT_THAT(out, HasSubstr("SPROUT_LEFT: frames left out: 2\n"));
 }
 
+TEST_F(LogInfo, HasAllFramesWhateverTheirOrder) {
+  std::vector<Event> events;
+  for (const int64_t seq : {4, 3, 2, 1, 0}) events.push_back(PartEvent(Part::kLeft, seq));
+  const auto log = folder_.Write("log", events);
+  const std::string out = OutOf({"info", log});
+  EXPECT_THAT(out, HasSubstr(" 0-4 "));
+  EXPECT_THAT(out, HasSubstr("SPROUT_LEFT: frames that stand behind later ones: 4\n"));
+}
+
 TEST_F(LogInfo, TellsWhenTheClockWasSetForward) {
   auto events = GraphEvents(5);
   events.back().utime += 7'200'000'000;
