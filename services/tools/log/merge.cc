@@ -6,8 +6,10 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <system_error>
 #include <utility>
 
+#include "common/config/config_error.h"
 #include "common/core/digest.h"
 #include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
@@ -103,7 +105,22 @@ MergedLog& NextOf(const std::vector<std::unique_ptr<MergedLog>>& logs) {
   });
 }
 
+// A log beside itself would have every message twice.
+void RequireDifferentLogs(const std::vector<std::filesystem::path>& paths) {
+  for (size_t later = 1; later < paths.size(); ++later) {
+    for (size_t i = 0; i < later; ++i) {
+      std::error_code none;
+      if (paths[i] != paths[later] && !std::filesystem::equivalent(paths[i], paths[later], none)) {
+        continue;
+      }
+      throw ConfigError(paths[i].string() + " and " + paths[later].string() +
+                        " are one log; allowed: each once");
+    }
+  }
+}
+
 int RunMerge(const MergeOptions& options) {
+  RequireDifferentLogs(options.in);
   std::vector<std::unique_ptr<MergedLog>> logs;
   int64_t bytes = 0;
   for (const auto& path : options.in) {

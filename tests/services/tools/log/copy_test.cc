@@ -181,7 +181,19 @@ TEST(LogMerge, TakesNewAnswersInThePlaceOfOldOnesOnlyWhenTold) {
   EXPECT_EQ(statuses, 5);
   EXPECT_EQ(ReadLog(out).events.size(), events.size() + 1);
   // What is the same in both is no second answer.
-  EXPECT_EQ(RunLog({"merge", recorded, recorded, "--out", folder.File("twice")}).exit_code, 0);
+  const auto copy = folder.Write("copy", events);
+  EXPECT_EQ(RunLog({"merge", recorded, copy, "--out", folder.File("twice")}).exit_code, 0);
+}
+
+TEST(LogMerge, RefusesOneLogTwice) {
+  const LogFolder folder;
+  const auto a = folder.Write("a", GraphEvents(2));
+  const auto b = folder.Write("b", {});
+  ExpectRefused({"merge", a, b, a, "--out", folder.File("out")},
+                a + " and " + a + " are one log; allowed: each once");
+  const auto link = folder.File("link");
+  std::filesystem::create_symlink(a, link);
+  ExpectRefused({"merge", a, link, "--out", folder.File("out"), "--replace"}, "are one log");
 }
 
 TEST(LogMerge, OfEqualTimesTakesTheLogNamedFirst) {
