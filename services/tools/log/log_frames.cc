@@ -33,9 +33,12 @@ std::string ReadFrames(const PicturesOptions& options, PartSet parts,
     while (const std::optional<Frame> frame = frames.Next(show)) visit(*frame);
     progress.Clear();
   }
-  WarnOfDamage(options.file, frames.log().damage());
-  if (undecodable == 0) return frames.index().OtherPrefixText();
-  return fmt::format("undecodable messages: {}, the first {}", undecodable, first_error);
+  std::string complaint = DamageWarning(options.file, frames.log().damage());
+  const std::string more = undecodable == 0 ? frames.index().OtherPrefixText()
+                                            : fmt::format("undecodable messages: {}, the first {}",
+                                                          undecodable, first_error);
+  if (!complaint.empty() && !more.empty()) complaint += "; ";
+  return complaint + more;
 }
 
 std::filesystem::path FrameFileNames::Of(const FrameId& id, const std::string& what) {

@@ -14,9 +14,10 @@
 namespace sprout::log {
 
 /// Reads the selected frames of a log, each with those of `parts` that the log has; see FrameIndex
-/// for what is a frame. Shows progress and warns of damage.
-/// @returns one line about undecodable messages, or about the log's channels if none is the
-///          graph's; or nothing. @throws LogError; ConfigError for a bad options.frames.
+/// for what is a frame. Shows progress.
+/// @returns one line about damage, and about undecodable messages, or about the log's channels if
+///          none is the graph's; or nothing. @throws LogError; ConfigError for a bad
+///          options.frames.
 std::string ReadFrames(const PicturesOptions& options, PartSet parts,
                        const std::function<void(const Frame&)>& visit);
 

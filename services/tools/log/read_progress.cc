@@ -35,13 +35,16 @@ std::string DamageText(const LogDamage& damage) {
   return text + fmt::format("{} event{} lost", *damage.events, *damage.events == 1 ? "" : "s");
 }
 
-void WarnOfDamage(const std::filesystem::path& path, const std::vector<LogDamage>& damage) {
-  if (damage.empty()) return;
+std::string DamageWarning(const std::filesystem::path& path, const std::vector<LogDamage>& damage) {
+  if (damage.empty()) return {};
   int64_t bytes = 0;
   for (const LogDamage& stretch : damage) bytes += stretch.bytes;
-  PrintWarning(
-      fmt::format("{} is damaged in {} place{}, {} bytes were skipped; see sprout-log info",
-                  path.string(), damage.size(), damage.size() == 1 ? "" : "s", bytes));
+  return fmt::format("{} is damaged in {} place{}, {} bytes were skipped; see sprout-log info",
+                     path.string(), damage.size(), damage.size() == 1 ? "" : "s", bytes);
+}
+
+void WarnOfDamage(const std::filesystem::path& path, const std::vector<LogDamage>& damage) {
+  if (const std::string text = DamageWarning(path, damage); !text.empty()) PrintWarning(text);
 }
 
 }  // namespace sprout::log

@@ -37,7 +37,10 @@ class ReadProgress {
 /// One line for a stretch of damage: "bytes 100-163 (64): 1 event lost".
 std::string DamageText(const LogDamage& damage);
 
-/// Warns on stderr, in one line, when a log was damaged: for subcommands that continue.
+/// One line when a log was damaged, for programs that continue; else nothing.
+std::string DamageWarning(const std::filesystem::path& path, const std::vector<LogDamage>& damage);
+
+/// Prints it to stderr, as sprout-log's.
 void WarnOfDamage(const std::filesystem::path& path, const std::vector<LogDamage>& damage);
 
 }  // namespace sprout::log

@@ -6,6 +6,7 @@
 
 #include "common/picture/write_image.h"
 #include "common/scenes/pfm.h"
+#include "services/tools/log/log_frames.h"
 #include "tests/services/tools/log/graph_log.h"
 
 // images and export.
@@ -250,6 +251,20 @@ TEST_F(LogExport, GivesCloudsTheConfidenceOfEachPoint) {
   EXPECT_EQ(with.back(), 77);
   EXPECT_THAT(std::string(without.begin(), without.begin() + 400),
               testing::Not(HasSubstr("confidence")));
+}
+
+// Programs say it behind their own names.
+TEST_F(LogImages, DamageIsSaidByWhoReadsTheFrames) {
+  auto events = GraphEvents(3);
+  Bytes bytes = MakeLog(events);
+  bytes.resize(bytes.size() - 5);
+  const auto log = folder_.File("log");
+  WriteBytes(log, bytes);
+  testing::internal::CaptureStderr();
+  const std::string complaint = ReadFrames({.file = log, .folder = {}, .frames = {}, .prefix = {}},
+                                           AllParts(), [](const Frame&) {});
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_THAT(complaint, HasSubstr("log is damaged in 1 place, "));
 }
 
 TEST_F(LogImages, RefusesTwoAnswersForOneFrame) {
