@@ -27,20 +27,22 @@ class RefineAdapter : public StageAdapter {
 
   PartSet Inputs() const override { return inputs_; }
 
+  /// Always answers. If there is no usable point, and stereo finds nothing either, both outputs are
+  /// empty and the result says why. It also says when range points stop to come, when a sensor
+  /// hangs, and what is wrong with the input: that is checked in the first frame of a calibration,
+  /// its first with a range image, and one of check_inputs_every, and told again in later frames
+  /// that have no seeds or whose points are not believed.
+  ///
+  /// A range image that was enlarged is taken at its sensor's resolution, see FindNativeRanges().
   /// Where disparities may be negative (cx_right > cx), and range points or a coarse match have
-  /// such, also in a wider frame (Widened()), whose answer is taken if one seed in a hundred has
-  /// one, and it has as many seeds. Always
-  /// answers; without a usable point, and if stereo finds nothing either, both are empty and
-  /// the result says why. It also says, of the first frame of a calibration, its first with a range
-  /// image and one of check_inputs_every, what is wrong with the input (again in later frames that
-  /// have something to say), when range points stop to come, and when a sensor hangs. A
-  /// range image that was enlarged is taken at its sensor's resolution, see FindNativeRanges().
+  /// such, the frame is also refined in a wider one (Widened()). That answer is taken if one seed
+  /// in a hundred is negative and there are as many seeds.
   StageResult Process(const Frame& frame) override;
 
  private:
   struct Refined {
     StageResult answer;
-    bool fits = true;  // images and range image have the sizes of the calibration
+    bool fits = true;  // whether images and range image have the sizes of the calibration
   };
 
   // Which frames are looked at.

@@ -6,15 +6,15 @@
 
 namespace sprout {
 
-/// Confidence and standard deviations for a pair that does not fit its calibration, which growth
-/// cannot know. A right camera that is turned, scaled or moved so that its rows are off by e px
-/// has columns that may be off as far: of disparities whose error is spread evenly up to e, 1 / e
-/// are right to 1 px, and its standard deviation is e / √3. Where the images do not show one scene,
-/// or left and right are not what they are said to be, no disparity is believed. Where range points
-/// show it that are believed beside the pair, and no match is near, all stays as it is. What falls
-/// below grow { min_confidence } has no disparity any more, what falls below that of depth { } no
-/// depth. O(pixels).
-/// @returns whether the pair does not fit: what a memory has of it is not to be believed, either.
+/// Bounds confidence and standard deviations of a pair that does not fit its calibration, which
+/// growth cannot know: eq. (F1) of the README, with e px by which rows, and so perhaps columns, are
+/// off. Where the images do not show one scene, or are swapped, no disparity is believed. Both stay
+/// where range points that are believed beside the pair show the disparity, and no match is near.
+/// Then grow { min_confidence } takes disparities away, and depth { min_confidence } depths.
+/// @param findings  of CheckInputs(), for this pair.
+/// @param depth     of this pair; changed only if the pair does not fit.
+/// @returns whether the pair does not fit: then it is not to be fused with others, either.
+/// O(pixels).
 bool BoundConfidence(const inputs::Findings& findings, const SproutConfig& config,
                      DepthFrame& depth);
 

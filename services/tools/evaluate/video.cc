@@ -144,6 +144,48 @@ LinePlot PlotOf(const std::string& title, const std::array<std::vector<double>, 
   return plot;
 }
 
+// Frames that are evaluated: as many as wanted, or as the source has. A scene of Middlebury's is
+// shown again and again; a frame of KITTI's is no video.
+// @throws ConfigError when none of them would be scored.
+int FrameCount(const scenes::Dataset& dataset, const std::string& source, int wanted) {
+  const bool one_scene = dataset.frame_count() == 1 && !IsKitti(source);
+  int frames = wanted;
+  if (!one_scene && dataset.frame_count()) {
+    frames = static_cast<int>(std::min<int64_t>(frames, *dataset.frame_count()));
+  }
+  if (frames <= VideoScore::kFirstScored) {
+    throw ConfigError(fmt::format(
+        "{}: {} frames (--frames): allowed are {} and more, since the first {} are not scored",
+        source, frames, VideoScore::kFirstScored + 1, VideoScore::kFirstScored));
+  }
+  return frames;
+}
+
+// @throws ConfigError when it has no truth.
+scenes::DatasetFrame FrameWithTruth(scenes::Dataset& dataset, const std::string& source, int i) {
+  scenes::DatasetFrame captured = dataset.Get(i);
+  if (captured.truth.left.empty()) {
+    throw ConfigError(fmt::format(
+        "{}: frame {} has no ground truth; allowed: frames with ground truth", source, i));
+  }
+  return captured;
+}
+
+// The frame as the chain gets it, with noise that is new in each.
+Frame NoisyFrame(const scenes::DatasetFrame& captured, const Rig& rig,
+                 const VideoSettings& settings, int i, cv::RNG& random) {
+  Frame frame;
+  frame.id = {.utime = static_cast<int64_t>(std::llround(1e6 * (i + 1) / settings.rate_hz)),
+              .seq = i,
+              .rig_id = "video"};
+  frame.left = WithNoise(captured.left, settings.image_noise, random);
+  frame.right = WithNoise(captured.right, settings.image_noise, random);
+  frame.tof = captured.tof;
+  frame.tof_zones = captured.tof_zones;
+  frame.rig = rig;
+  return frame;
+}
+
 }  // namespace
 
 VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settings,
@@ -151,17 +193,7 @@ VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settin
   const std::unique_ptr<scenes::Dataset> dataset = Open(source, settings.config);
   VideoResult result;
   result.source = source;
-  result.frames = settings.frames;
-  // A scene of Middlebury's is shown again and again; a frame of KITTI's is no video.
-  const bool one_scene = dataset->frame_count() == 1 && !IsKitti(source);
-  if (!one_scene && dataset->frame_count()) {
-    result.frames = static_cast<int>(std::min<int64_t>(result.frames, *dataset->frame_count()));
-  }
-  if (result.frames <= VideoScore::kFirstScored) {
-    throw ConfigError(fmt::format(
-        "{}: {} frames (--frames): allowed are {} and more, since the first {} are not scored",
-        source, result.frames, VideoScore::kFirstScored + 1, VideoScore::kFirstScored));
-  }
+  result.frames = FrameCount(*dataset, source, settings.frames);
   const std::vector<Pose> motions = TrueMotions(source, result.frames);
   result.motion_known = !motions.empty();
   const Rig& rig = dataset->rig();
@@ -178,24 +210,12 @@ VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settin
   std::vector<double> times_ms;
   for (int i = 0; i < result.frames; ++i) {
     on_frame(i);
-    const scenes::DatasetFrame captured = dataset->Get(i);
-    if (captured.truth.left.empty()) {
-      throw ConfigError(fmt::format(
-          "{}: frame {} has no ground truth; allowed: frames with ground truth", source, i));
-    }
-    Frame frame;
-    frame.id = {.utime = static_cast<int64_t>(std::llround(1e6 * (i + 1) / settings.rate_hz)),
-                .seq = i,
-                .rig_id = "video"};
+    const scenes::DatasetFrame captured = FrameWithTruth(*dataset, source, i);
     if (i == 0) {
       result.wrong_inputs =
           BadText(inputs::CheckInputs(captured.left, captured.right, captured.tof, rig));
     }
-    frame.left = WithNoise(captured.left, settings.image_noise, random);
-    frame.right = WithNoise(captured.right, settings.image_noise, random);
-    frame.tof = captured.tof;
-    frame.tof_zones = captured.tof_zones;
-    frame.rig = rig;
+    Frame frame = NoisyFrame(captured, rig, settings, i, random);
     ChainObserver nobody;
     chain.Run(frame, nobody);
     cv::Mat1b memory;

@@ -87,7 +87,7 @@ Ripple RippleOfWall(double blur_px, double sigma_px) {
   return {std::sqrt(squares / count), std::sqrt(repeated)};
 }
 
-// The parabola through three costs, as (S2) was before: 0.040 and 0.026 px; 0.074 and 0.059 px.
+// A parabola through three costs in place of (S2): 0.040 and 0.026 px; 0.074 and 0.059 px.
 TEST(Ripple, IsSmallOnASweptWall) {
   const Ripple soft = RippleOfWall(0.5, 0.1);
   EXPECT_LT(soft.rms_px, 0.024);
