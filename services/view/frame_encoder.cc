@@ -139,78 +139,76 @@ void FrameEncoder::FollowRanges(DecodedFrame& frame) {
   }
 }
 
-EncodedPartPtr FrameEncoder::MakePicture(DecodedFrame& frame, Picture picture, int width) {
+// A picture, smaller than what it shows.
+struct FrameEncoder::Drawing {
+  cv::Mat image;
   cv::Size full;
-  std::string body;
-  cv::Size shown;
-  const auto photograph = [&](const cv::Mat& image) {
-    const cv::Mat small = Shrink(image, width);
-    full = image.size();
-    shown = small.size();
-    body = WriteJpeg(small, JpegColors::kHalf);
-  };
-  const auto painted = [&](cv::Size map, const cv::Mat3b& paint) {
-    full = map;
-    shown = paint.size();
-    body = WriteJpeg(paint, JpegColors::kFull);
-  };
-  const auto counts = [&](const DisparityImage* map, const CountColors& colors) {
-    if (map != nullptr && !map->empty()) {
-      painted(map->size(), colors.Paint(Thin(map->counts(), width)));
-    }
-  };
+  JpegColors colors = JpegColors::kFull;
+
+  static std::optional<Drawing> OfPhotograph(const cv::Mat* image, int width) {
+    if (image == nullptr) return {};
+    return Drawing{Shrink(*image, width), image->size(), JpegColors::kHalf};
+  }
+  static std::optional<Drawing> OfCounts(const DisparityImage* map, const CountColors& colors,
+                                         int width) {
+    if (map == nullptr || map->empty()) return {};
+    return Drawing{colors.Paint(Thin(map->counts(), width)), map->size()};
+  }
+  static std::optional<Drawing> OfSigma(const DisparityImage* map, const cv::Mat* sigma,
+                                        int width) {
+    if (map == nullptr || sigma == nullptr || map->empty()) return {};
+    if (sigma->type() != CV_8UC1 || sigma->size() != map->size()) return {};
+    return Drawing{PaintSigma(*map, *sigma, width), map->size()};
+  }
+};
+
+std::optional<FrameEncoder::Drawing> FrameEncoder::Draw(DecodedFrame& frame, Picture picture,
+                                                        int width) const {
   const auto* prior = frame.Get<PriorMap>(Part::kPrior);
   switch (picture) {
     case Picture::kLeft:
-      if (const auto* left = frame.Get<cv::Mat>(Part::kLeft)) photograph(*left);
-      break;
+      return Drawing::OfPhotograph(frame.Get<cv::Mat>(Part::kLeft), width);
     case Picture::kConfidence:
-      if (const auto* confidence = frame.Get<cv::Mat>(Part::kConfidence)) photograph(*confidence);
-      break;
+      return Drawing::OfPhotograph(frame.Get<cv::Mat>(Part::kConfidence), width);
     case Picture::kTof: {
       const auto* tof = frame.Get<TofImage>(Part::kTof);
-      if (tof != nullptr && !tof->depth_m.empty()) {
-        painted(tof->depth_m.size(), PaintTof({Thin(tof->depth_m, width), {}}, depth_m_));
-      }
-      break;
+      if (tof == nullptr || tof->depth_m.empty()) return {};
+      return Drawing{PaintTof({Thin(tof->depth_m, width), {}}, depth_m_), tof->depth_m.size()};
     }
     case Picture::kDisparity:
     case Picture::kFused:
-      counts(frame.Get<DisparityImage>(SourceOf(picture)), CountColors::OfDisparity(disparity_px_));
-      break;
+      return Drawing::OfCounts(frame.Get<DisparityImage>(SourceOf(picture)),
+                               CountColors::OfDisparity(disparity_px_), width);
     case Picture::kDepth:
-    case Picture::kFusedDepth:
-      if (const auto* rig = frame.Get<Rig>(Part::kRig)) {
-        counts(frame.Get<DisparityImage>(SourceOf(picture)),
-               CountColors::OfDepth(rig->pair, depth_m_));
-      }
-      break;
-    case Picture::kPrior:
-      if (prior != nullptr) counts(&prior->disparity, CountColors::OfDisparity(disparity_px_));
-      break;
-    case Picture::kSigma:
-      if (prior != nullptr && !prior->empty()) {
-        painted(prior->size(), PaintSigma(prior->disparity, prior->sigma, width));
-      }
-      break;
-    case Picture::kDisparitySigma: {
-      const auto* map = frame.Get<DisparityImage>(Part::kDisparity);
-      const auto* sigma = frame.Get<cv::Mat>(Part::kSigma);
-      if (map == nullptr || sigma == nullptr || map->empty()) break;
-      if (sigma->type() == CV_8UC1 && sigma->size() == map->size()) {
-        painted(map->size(), PaintSigma(*map, *sigma, width));
-      }
-      break;
+    case Picture::kFusedDepth: {
+      const auto* rig = frame.Get<Rig>(Part::kRig);
+      if (rig == nullptr) return {};
+      return Drawing::OfCounts(frame.Get<DisparityImage>(SourceOf(picture)),
+                               CountColors::OfDepth(rig->pair, depth_m_), width);
     }
+    case Picture::kPrior:
+      if (prior == nullptr) return {};
+      return Drawing::OfCounts(&prior->disparity, CountColors::OfDisparity(disparity_px_), width);
+    case Picture::kSigma:
+      if (prior == nullptr || prior->empty()) return {};
+      return Drawing::OfSigma(&prior->disparity, &prior->sigma, width);
+    case Picture::kDisparitySigma:
+      return Drawing::OfSigma(frame.Get<DisparityImage>(Part::kDisparity),
+                              frame.Get<cv::Mat>(Part::kSigma), width);
   }
-  if (body.empty()) return nullptr;
+  return {};
+}
+
+EncodedPartPtr FrameEncoder::MakePicture(DecodedFrame& frame, Picture picture, int width) const {
+  const std::optional<Drawing> drawing = Draw(frame, picture, width);
+  if (!drawing) return nullptr;
   auto part = std::make_shared<EncodedPart>();
   part->head = {{"name", NameOf(picture)},
-                {"width", shown.width},
-                {"height", shown.height},
-                {"full_width", full.width},
-                {"full_height", full.height}};
-  part->body = std::move(body);
+                {"width", drawing->image.cols},
+                {"height", drawing->image.rows},
+                {"full_width", drawing->full.width},
+                {"full_height", drawing->full.height}};
+  part->body = WriteJpeg(drawing->image, drawing->colors);
   return part;
 }
 

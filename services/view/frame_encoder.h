@@ -74,7 +74,9 @@ class FrameEncoder {
 
   template <typename Make>
   EncodedPartPtr Cached(const StoredFrame& frame, const std::string& what, const Make& make);
-  EncodedPartPtr MakePicture(DecodedFrame& frame, Picture picture, int width);
+  struct Drawing;
+  std::optional<Drawing> Draw(DecodedFrame& frame, Picture picture, int width) const;
+  EncodedPartPtr MakePicture(DecodedFrame& frame, Picture picture, int width) const;
   void FollowRanges(DecodedFrame& frame);
 
   DecodedFrame::Complain complain_;
