@@ -92,6 +92,9 @@ void EightBits::Convert(std::initializer_list<CameraImage*> images) {
   const bool any_has_more = std::ranges::any_of(images, has_more);
   int by_format = 0;
   for (const CameraImage* image : images) by_format = std::max(by_format, image->largest);
+  if (bits_ > kMinBits && !any_has_more && !std::exchange(said_unused_, true)) {
+    note_ = fmt::format("bits = {} changes nothing: images of 8 bits are taken as they are", bits_);
+  }
   Range range{.low = 0, .width = by_format + 1.0};
   if (any_has_more && bits_ > 0) {
     range.width = 1 << bits_;

@@ -24,7 +24,8 @@ Result<void> CheckBits(int bits);
 ///   3. what the pixels of the first capture use: 0 to 2^b - 1 for the smallest b of 8, 10, 12, 14
 ///      and 16 that holds all; or, where 99.8 % of them use less than an eighth of that (thermal
 ///      cameras), the range of these and half of it more on both sides.
-/// A later capture with pixels beyond that is looked at anew, and this is said.
+/// A later capture with pixels beyond that is looked at anew, and this is said. So it is once when
+/// the user says more than 8 bits of images that have 8.
 class EightBits {
  public:
   /// @param bits  of a pixel, kMinBits to kMaxBits; 0: found out.
@@ -50,6 +51,7 @@ class EightBits {
   int bits_;
   Range range_;
   std::string note_;
+  bool said_unused_ = false;
 };
 
 }  // namespace sprout

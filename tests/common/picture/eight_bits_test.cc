@@ -33,6 +33,19 @@ TEST(EightBits, LeavesImagesOf8BitsAsTheyAre) {
   EXPECT_THAT(eight_bits.TakeNote(), IsEmpty());
 }
 
+TEST(EightBits, SayOnceThatBitsOf8BitImagesChangeNothing) {
+  for (const int bits : {8, 12}) {
+    EightBits eight_bits(bits);
+    CameraImage image = Image(cv::Mat1b(2, 2, uint8_t{200}));
+    eight_bits.Convert({&image});
+    EXPECT_EQ(image.pixels.at<uint8_t>(0, 0), 200);
+    EXPECT_EQ(eight_bits.TakeNote(),
+              bits == 8 ? "" : "bits = 12 changes nothing: images of 8 bits are taken as they are");
+    eight_bits.Convert({&image});
+    EXPECT_THAT(eight_bits.TakeNote(), IsEmpty());
+  }
+}
+
 TEST(EightBits, SaysWhichBitsCanBeAskedFor) {
   for (const int bits : {0, 8, 16}) EXPECT_TRUE(CheckBits(bits)) << bits;
   for (const int bits : {-8, 1, 7, 17}) {
