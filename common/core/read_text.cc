@@ -48,6 +48,9 @@ Result<std::string> WithoutMark(Result<std::string> text) {
   if (text && (text->starts_with("\xff\xfe") || text->starts_with("\xfe\xff"))) {
     return CannotRead("text in UTF-16; save it as UTF-8");
   }
+  if (text && text->starts_with("\x1f\x8b")) {
+    return CannotRead("packed with gzip; unpack it with gunzip");
+  }
   return text;
 }
 

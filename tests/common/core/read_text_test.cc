@@ -39,6 +39,10 @@ TEST_F(ReadTextTest, LeavesOutAByteOrderMark) {
               HasSubstr("UTF-16; save it as UTF-8"));
 }
 
+TEST_F(ReadTextTest, RefusesWhatIsPacked) {
+  EXPECT_THAT(ErrorOf(Write("\x1f\x8b\x08")), HasSubstr("packed with gzip; unpack it with gunzip"));
+}
+
 TEST_F(ReadTextTest, GivesEveryByte) {
   EXPECT_EQ(ReadText(Write("")), "");
   EXPECT_EQ(ReadText(Write("a\r\n\nb")), "a\r\n\nb");

@@ -69,6 +69,12 @@ Eigen::Matrix3d Square(const cv::Mat1d& m) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(m.ptr<double>());
 }
 
+// Of a text that it cannot parse OpenCV gives its own function as the reason, and the line and the
+// reason as the function.
+std::string ReasonOf(const cv::Exception& e) {
+  return e.code == cv::Error::StsParseError && !e.func.empty() ? e.func : e.err;
+}
+
 // Whether two entries say the same.
 bool AreEqual(const cv::FileNode& a, const cv::FileNode& b) {
   if (a.type() != b.type() || a.size() != b.size()) return false;
@@ -98,7 +104,7 @@ class Entries {
           if (!is_new && !AreEqual(before->second, root[key])) doubled_.insert(Plain(key));
         }
       } catch (const cv::Exception& e) {
-        throw ConfigError(file.path.string() + ": OpenCV cannot read it: " + e.err);
+        throw ConfigError(file.path.string() + ": OpenCV cannot read it: " + ReasonOf(e));
       }
     }
   }
@@ -126,7 +132,9 @@ class Entries {
     } catch (const cv::Exception&) {  // an empty matrix says it all
     }
     if (matrix.empty() || matrix.channels() != 1 || !cv::checkRange(matrix)) {
-      throw ConfigError(where_ + ": " + node->name() + " is no matrix of finite numbers");
+      throw ConfigError(where_ + ": " + node->name() +
+                        " is no matrix; allowed: rows, cols, dt, and as many finite numbers as "
+                        "data");
     }
     cv::Mat1d numbers;
     matrix.convertTo(numbers, CV_64F);

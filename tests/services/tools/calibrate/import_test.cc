@@ -149,9 +149,12 @@ TEST_F(Import, SaysWhatOfOpencvsFileIsMissing) {
   EXPECT_THAT(Refusal({file}),
               HasSubstr("there are: image_width image_height LEFT_K D1 other D2 R T"));
   EXPECT_THAT(Refusal({Write("bad.yml", "%YAML:1.0\n---\nM1: [ 1, 2, 3 ]\n")}),
-              HasSubstr("bad.yml: M1 is no matrix of finite numbers"));
+              HasSubstr("bad.yml: M1 is no matrix; allowed: rows, cols, dt, and as many finite "));
   EXPECT_THAT(Refusal({Write("torn.yml", "%YAML:1.0\n---\nM1: !!opencv-matrix\n   rows: 3\n")}),
               HasSubstr("torn.yml: "));
+  // The line, and why, of a text that is none of OpenCV's.
+  EXPECT_THAT(Refusal({Write("cut.yml", "%YAML:1.0\n---\nM1: [ 1, 2")}),
+              HasSubstr("cut.yml: OpenCV cannot read it: (3): "));
   EXPECT_THAT(Refusal({folder_ / "nothing.yml"}), HasSubstr("nothing.yml: cannot be read"));
 }
 
