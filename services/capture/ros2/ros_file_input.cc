@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/config/config_error.h"
+#include "common/core/joined.h"
 #include "common/ros/chunk_codec.h"
 #include "common/ros/mcap_reader.h"
 #include "services/capture/ros2/ros_input.h"
@@ -63,15 +64,17 @@ class FileInput : public RosInput {
   std::string Instead(RosRole /*role*/) override { return TopicsText(); }
 
  private:
+  // What is not there may stand where the file is damaged.
   std::string TopicsText() const {
     std::string text = "topics in " + path_ + ":";
     for (const McapTopic& topic : topics_) text += " " + topic.name + " (" + topic.type + ")";
-    return text;
+    const std::vector<std::string> damage = reader_->trouble();
+    return text + (damage.empty() ? "" : "; the file is damaged: " + damage.front());
   }
 
   // Whoever misspells a topic should not wait for the end of the file.
   void RequireTopics(const RosSettings& settings) const {
-    std::string missing;
+    std::vector<std::string> missing;
     for (const RosRole role : kAllRosRoles) {
       if (role == RosRole::kTf && settings.tf.empty()) continue;
       for (const std::string& name : settings.TopicsOf(role)) {
@@ -79,12 +82,14 @@ class FileInput : public RosInput {
             topics_, name, [](const McapTopic& topic) { return WithSlash(topic.name); });
         if (found != topics_.end()) {
           RequireType(role, *found);
-        } else if (missing.find(name) == std::string::npos) {
-          missing += (missing.empty() ? "" : ", ") + name;
+        } else if (std::ranges::find(missing, name) == missing.end()) {
+          missing.push_back(name);
         }
       }
     }
-    if (!missing.empty()) throw ConfigError("no topic " + missing + "; " + TopicsText());
+    if (!missing.empty()) {
+      throw ConfigError("no topic " + Joined(", ", missing) + "; " + TopicsText());
+    }
   }
 
   void RequireType(RosRole role, const McapTopic& topic) const {

@@ -116,6 +116,20 @@ TEST(RosForeign, RosOnesEncodingIsCalledByItsName) {
                         ", but in ROS 1's encoding: make a bag of ROS 2 of the ROS 1 bag"));
 }
 
+// What is missing may stand behind the place where the file was cut.
+TEST(RosForeign, ATopicMayBeMissingBecauseTheFileIsDamaged) {
+  RosRecording file(/*chunk_bytes=*/1);
+  file.AddCalibration(examples::Rig());
+  file.AddImage("/left/image", kStart, Grey(1));
+  file.AddImage("/right/image", kStart, Grey(1));
+  file.Finish();
+  std::filesystem::resize_file(file.path(), std::filesystem::file_size(file.path()) / 8);
+  const std::string complaint =
+      Complaint("mcap:" + file.path() + "?left=/l/image_raw&right=/r/image_raw&depth=/l/image");
+  EXPECT_THAT(complaint, HasSubstr("/r/camera_info, /l/image; topics in"));
+  EXPECT_THAT(complaint, HasSubstr("; the file is damaged: byte "));
+}
+
 TEST(RosForeign, NamesNeedNoSlashInFront) {
   RosRecording file;
   file.AddImage("left/image", kStart, Grey(1));
