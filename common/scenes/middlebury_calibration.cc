@@ -92,7 +92,7 @@ RectifiedPair PairOf(const CalibrationLines& calib) {
   if (const double doffs = pair.cx_right - pair.cx;
       calib.Has("doffs") && std::abs(Number(calib, "doffs") - doffs) > kDoffsTolerancePx) {
     throw calib.Bad("doffs",
-                    fmt::format("{:.6g} to 1 px, which is cx of cam1 less that of cam0", doffs));
+                    fmt::format("{:.6g} ± 1 px, which is cx of cam1 less that of cam0", doffs));
   }
   for (const char* key : {"width", "height"}) {
     if (calib.Has(key)) Number(calib, key);

@@ -153,8 +153,8 @@ INSTANTIATE_TEST_SUITE_P(
                     CalibCase{"cam0", "[1 0 0; 0 1 0; 0 0 1]\ncam0=[100 0 14; 0 100 9; 0 0 1]",
                               "cam0 is given more than once"},
                     CalibCase{"width", "30\nwidth=30", "width is given more than once"},
-                    CalibCase{"doffs", "500", "doffs=500: allowed: 3 to 1 px"},
-                    CalibCase{"doffs", "-3", "doffs=-3: allowed: 3 to 1 px"},
+                    CalibCase{"doffs", "500", "doffs=500: allowed: 3 ± 1 px"},
+                    CalibCase{"doffs", "-3", "doffs=-3: allowed: 3 ± 1 px"},
                     CalibCase{"baseline", "wide", "baseline=wide"},
                     CalibCase{"width", "2964", "allowed: 30, as the images have"},
                     CalibCase{"height", "2000", "allowed: 20, as the images have"}));
