@@ -12,6 +12,9 @@ namespace {
 
 Result<void> CheckSize(const std::string& what, cv::Size size, cv::Size calibrated) {
   if (size == calibrated) return {};
+  if (calibrated.empty()) {
+    return Fail(what + " is " + SizeText(size) + ", and the rig file has no tof: allowed is none");
+  }
   return Fail(what + " is " + SizeText(size) + ": allowed is the calibrated size " +
               SizeText(calibrated));
 }

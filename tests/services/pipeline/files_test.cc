@@ -78,8 +78,9 @@ TEST_F(Files, OfUnrectifiedCamerasAreRectifiedByTheRigFile) {
                         "calibrated size 160x120\n"));
   options_.left = folder_ / "left.png";
   options_.tof = folder_ / "tof.png";
-  EXPECT_THAT(RunToEnd(options_).err, HasSubstr("left.png: the ToF image is 40x30: allowed is the "
-                                                "calibrated size 0x0\n"));
+  EXPECT_THAT(RunToEnd(options_).err,
+              HasSubstr("left.png: the ToF image is 40x30, and the rig file has "
+                        "no tof: allowed is none\n"));
 }
 
 TEST_F(Files, OfManyPairsAreComputedButForTheOnesThatCannotBe) {
