@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -24,11 +25,13 @@ Findings NoneCanTell(const std::string& why) {
 
 // How many times as far from the corner the principal point lies as the middle of the images, if
 // that is far in both directions alike, as in images that were resized; else 1.
-double TimesMiddle(const RectifiedPair& pair) {
+// @param camera  a RectifiedPair or a TofCamera.
+template <typename Camera>
+double TimesMiddle(const Camera& camera) {
   constexpr double kResized = 1.3;
   constexpr double kAlike = 1.15;
-  const double columns = (2 * pair.cx + 1) / pair.width;
-  const double rows = (2 * pair.cy + 1) / pair.height;
+  const double columns = (2 * camera.cx + 1) / camera.width;
+  const double rows = (2 * camera.cy + 1) / camera.height;
   const auto is_beyond = [](double ratio, double most) { return ratio > most || ratio < 1 / most; };
   if (!(columns > 0 && rows > 0) || is_beyond(columns / rows, kAlike)) return 1;
   const double times = std::sqrt(columns * rows);
@@ -70,6 +73,33 @@ void SayUnlikely(const RectifiedPair& pair, Finding& scale) {
   scale.text = std::move(text);
 }
 
+// The lens of range images of another size makes points that look turned, late or of another scale.
+// Where they fit nevertheless, the range images were cropped.
+void SayResizedRanges(const Rig& rig, Findings& findings) {
+  const double times = TimesMiddle(rig.tof);
+  const auto found = [&](Question question) -> Finding& {
+    return *std::ranges::find(findings, question, &Finding::question);
+  };
+  Finding& place = found(Question::kPlace);
+  Finding& scale = found(Question::kScale);
+  Finding& moment = found(Question::kMoment);
+  const bool all_good = std::ranges::all_of(
+      std::array{&place, &scale, &moment},
+      [](const Finding* finding) { return finding->verdict == Verdict::kGood; });
+  if (times == 1 || all_good || TimesMiddle(rig.pair) != 1) return;
+  scale.verdict = Verdict::kBad;
+  scale.text = fmt::format(
+      "the range sensor's principal point ({:.1f}, {:.1f}) lies {:.2g} times as far right and down "
+      "as the middle of its images of {}x{}: is its calibration of images of another size, about "
+      "{:.0f}x{:.0f}?",
+      rig.tof.cx, rig.tof.cy, times, rig.tof.width, rig.tof.height, times * rig.tof.width,
+      times * rig.tof.height);
+  for (Finding* other : {&place, &moment}) {
+    other->verdict = Verdict::kCannotTell;
+    other->text = "the range sensor's lens has to be put right first";
+  }
+}
+
 struct Shown {
   Matches matches;
   PairModel model;
@@ -109,6 +139,7 @@ Findings CheckInputs(const cv::Mat1b& left, const cv::Mat1b& right, const TofIma
     if (finding.question == Question::kScale) SayUnlikely(pair, finding);
     findings.push_back(std::move(finding));
   }
+  if (ranges && fits) SayResizedRanges(projector->rig(), findings);
   return findings;
 }
 

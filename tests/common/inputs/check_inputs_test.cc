@@ -111,6 +111,29 @@ TEST(CheckInputs, AsksForAScaleThatNothingShows) {
   EXPECT_THAT(parts.Answer(Question::kScale).text, HasSubstr("mm apart"));
 }
 
+TEST(CheckInputs, SeesARangeLensOfImagesOfAnotherSize) {
+  const Parts scene = SceneOf("synthetic:640x480?tof=sr4000");
+  for (const double times : {0.25, 0.5, 2.0, 4.0}) {
+    Parts parts = scene;
+    for (double* number :
+         {&parts.rig.tof.fx, &parts.rig.tof.fy, &parts.rig.tof.cx, &parts.rig.tof.cy}) {
+      *number *= times;
+    }
+    ExpectBad(parts, Question::kScale, "the range sensor's principal point (");
+    EXPECT_NE(parts.Answer(Question::kPlace).verdict, Verdict::kBad);
+    EXPECT_NE(parts.Answer(Question::kMoment).verdict, Verdict::kBad);
+  }
+  // The upper left part of a larger image.
+  Parts cropped = scene;
+  const cv::Rect part(0, 0, scene.rig.tof.width * 2 / 3, scene.rig.tof.height * 2 / 3);
+  cropped.tof.depth_m = scene.tof.depth_m(part).clone();
+  cropped.tof.amplitude = scene.tof.amplitude(part).clone();
+  cropped.rig.tof.width = part.width;
+  cropped.rig.tof.height = part.height;
+  EXPECT_NE(cropped.Answer(Question::kScale).verdict, Verdict::kBad)
+      << cropped.Answer(Question::kScale).text;
+}
+
 TEST(CheckInputs, SeesACalibrationOfImagesOfAnotherSize) {
   for (const double times : {0.5, 1.2, 2.0}) {
     Parts parts = SceneOf();
