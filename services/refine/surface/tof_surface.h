@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <span>
@@ -161,6 +163,15 @@ class TofSurface {
   };
   class HiddenTest;
 
+  static constexpr float kNone = std::numeric_limits<float>::quiet_NaN();  // of an empty cell
+
+  // The smaller of two slopes by magnitude: beside an edge the one that stays on the surface. A
+  // slope to a cell without a point is NaN and does not count.
+  static float Gentler(float a, float b) {
+    if (std::isnan(a)) return b;
+    if (std::isnan(b)) return a;
+    return std::abs(a) <= std::abs(b) ? a : b;
+  }
   int RowStep(const TofCamera& tof, std::span<const ProjectedPoint> points, int columns);
   void SetSteps(const TofCamera& tof, std::span<const ProjectedPoint> points);
   double PointsPerCell(const TofCamera& tof, std::span<const ProjectedPoint> points);
