@@ -28,7 +28,7 @@ struct StereoRules {
   /// Cells around a gap of at least 3×3 cells that want a seed, which are matched as well so that
   /// path costs settle. By trial.
   static constexpr int kSettleCells = 4;
-  /// The same between coarse points, each of which holds the paths. Measured (NOTES.md).
+  /// The same between coarse points, each of which holds the paths.
   static constexpr int kCoarseSettleCells = 2;
   /// The same around smaller gaps, which points on all sides hold. Measured (NOTES.md).
   static constexpr int kSmallGapCells = 1;
@@ -38,11 +38,11 @@ struct StereoRules {
   // What a seed is taken from: matched disparities around its pixel, px of the matched image.
   /// Half the window, px: that of the census, as far as a depth edge spoils matches.
   static constexpr int kReach = 2;
-  /// Least difference at a depth edge, px. Measured: 3 is worse (NOTES.md).
+  /// Least difference at a depth edge, px. Measured: 3 is worse.
   static constexpr float kEdgePx = 2;
   /// Most that the mean of a pair differs from the seed's pixel on one surface, px. By trial.
   static constexpr double kSurfacePx = 1;
-  /// Fewest of the 13 pairs that must be known. Measured (NOTES.md).
+  /// Fewest of the 13 pairs that must be known. By trial.
   static constexpr int kFewestPairs = 8;
   /// Windows overlap, so disparities share errors: one in so many is independent. By trial.
   static constexpr double kSharing = 4;
