@@ -49,33 +49,6 @@ class BlockSums {
   std::vector<double> sums_;
 };
 
-// A node's cost as a parabola around each label but the outermost.
-class CostCurve {
- public:
-  explicit CostCurve(const OffsetCosts& costs) {
-    for (size_t k = 1; k + 1 < RangeRules::kLabels; ++k) {
-      const double before = costs[k - 1];
-      const double here = costs[k];
-      const double behind = costs[k + 1];
-      parabolas_[k] = {here, (behind - before) / 2, (before + behind - 2 * here) / 2};
-    }
-  }
-  double At(double offset_px) const {
-    const double label =
-        std::clamp(offset_px + RangeRules::kZeroLabel, 0.0, RangeRules::kLabels - 1.0);
-    const int nearest = std::clamp(static_cast<int>(label + 0.5), 1, RangeRules::kLabels - 2);
-    const auto& [here, slope, bend] = parabolas_[static_cast<size_t>(nearest)];
-    const double x = label - nearest;
-    return here + x * slope + x * x * bend;
-  }
-
- private:
-  struct Parabola {
-    double here, slope, bend;
-  };
-  std::array<Parabola, RangeRules::kLabels> parabolas_{};
-};
-
 }  // namespace
 
 double CostAt(const OffsetCosts& costs, double offset_px) {
@@ -112,11 +85,10 @@ void RangeCurve::Vote(std::span<const RangeNode> nodes, const RectifiedPair& pai
   for (const Voter& voter : bin.voters) {
     bin.depth_m += voter.depth_m / static_cast<double>(bin.voters.size());
     bin.weight += voter.weight * bin.scale;
-    const CostCurve cost(nodes[voter.node].costs);
+    const RangeNode& node = nodes[voter.node];
     for (int k = 0; k < kCandidates; ++k) {
       const double off = OffsetOfError(pair, voter.depth_m, (k - kNoError) * step_m_);
-      bin.votes[static_cast<size_t>(k)] +=
-          voter.weight * std::min(cost.At(off), double{RangeRules::kMaxCost}) * bin.scale;
+      bin.votes[static_cast<size_t>(k)] += voter.weight * VoteAt(node, off) * bin.scale;
     }
   }
   bin.px_per_m = pair.focal_px * pair.baseline_m / (bin.depth_m * bin.depth_m);

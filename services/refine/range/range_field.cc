@@ -12,12 +12,6 @@ namespace {
 
 constexpr int kOffsetLabels = RangeRules::kLabels;
 
-float LeastOf(const OffsetCosts& costs) {
-  std::array<float, kOffsetLabels / 2> least;
-  for (size_t k = 0; k < least.size(); ++k) least[k] = std::min(costs[k], costs[k + least.size()]);
-  return *std::min_element(least.begin(), least.end());
-}
-
 }  // namespace
 
 void RangeField::SetCosts(const RangeNodes& nodes, std::span<const double> start_px) {
@@ -82,7 +76,7 @@ void RangeField::AddPath(const RangeNodes& nodes, bool along_rows, bool back, fl
         const bool same = nodes.AreOneSurface(static_cast<size_t>(last), index);
         const float small = RangeRules::kFieldSmallStep * (same ? 1 : RangeRules::kAcrossEdge);
         const float large = RangeRules::kFieldLargeStep * (same ? 1 : RangeRules::kAcrossEdge);
-        const float least = LeastOf(path);
+        const float least = *std::min_element(path.begin(), path.end());
         // Labels beyond the outermost cost more than any.
         std::array<float, kOffsetLabels + 2> beside;
         beside.front() = beside.back() = least + large;
