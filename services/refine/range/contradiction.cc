@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "services/refine/range/range_costs.h"
 #include "services/refine/range/range_rules.h"
@@ -107,16 +106,6 @@ bool Prefers(const cv::Mat1b& left, const cv::Mat1b& right, const Seed& place, d
     return SurfaceRules::kNoise + WindowDifference(left, right, place.u, place.v, place.u - of);
   };
   return difference(to) > RangeRules::kBetterMatch * difference(disparity);
-}
-
-// Whether the windows of a match are alike, as they are not where one image is blurred.
-bool IsAlike(const cv::Mat1b& left, const cv::Mat1b& right, const Seed& match) {
-  const std::optional<OffsetMoments> moments = MomentsOf(
-      left, right, {.at = {match.u, match.v}, .disparity_px = match.disparity(), .slope = {}});
-  if (!moments) return false;
-  const OffsetCosts costs = CostsOf(*moments, RangeRules::kUnlikeVariance);
-  const auto* const here = costs.begin() + RangeRules::kZeroLabel;
-  return *std::min_element(here - 1, here + 2) < 1 - RangeRules::kContradicted;
 }
 
 // What each match says of the point that it lies at: it agrees with one of those around, or the
@@ -224,7 +213,7 @@ double ShareAgainst(const cv::Mat1b& left, const cv::Mat1b& right,
       ++votes.agreeing;
     } else if (nearest != nullptr &&
                Prefers(left, right, seed, nearest->disparity(), seed.disparity()) &&
-               IsAlike(left, right, *nearest)) {
+               IsAlike(left, right, *nearest, RangeRules::kUnlikeVariance)) {
       ++votes.against;
     }
   }

@@ -143,13 +143,7 @@ bool RangeBias::MatchesElsewhere(const RangeInput& input, std::span<const Seed> 
   cv::Mat1b matched(grid.size, uint8_t{0});
   const double noise = RangeRules::kUnlikeVariance + nodes_.noise();
   for (const Seed& match : matches) {
-    const std::optional<OffsetMoments> moments =
-        MomentsOf(input.left, input.right,
-                  {.at = {match.u, match.v}, .disparity_px = match.disparity(), .slope = {}});
-    if (!moments) continue;
-    const OffsetCosts costs = CostsOf(*moments, noise);
-    const auto* const here = costs.begin() + RangeRules::kZeroLabel;
-    if (*std::min_element(here - 1, here + 2) < 1 - RangeRules::kContradicted) {
+    if (IsAlike(input.left, input.right, match, noise)) {
       matched(grid.At(match.v), grid.At(match.u)) = 1;
     }
   }

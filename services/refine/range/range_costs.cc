@@ -195,5 +195,14 @@ std::optional<OffsetMoments> MomentsOf(const cv::Mat1b& left, const cv::Mat1b& r
   return moments;
 }
 
+bool IsAlike(const cv::Mat1b& left, const cv::Mat1b& right, const Seed& match, double noise) {
+  const auto moments = MomentsOf(
+      left, right, {.at = {match.u, match.v}, .disparity_px = match.disparity(), .slope = {}});
+  if (!moments) return false;
+  const OffsetCosts costs = CostsOf(*moments, noise);
+  const auto* const here = costs.begin() + RangeRules::kZeroLabel;
+  return *std::min_element(here - 1, here + 2) < 1 - RangeRules::kContradicted;
+}
+
 }  // namespace sprout::refine
 #endif  // HWY_ONCE

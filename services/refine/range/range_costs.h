@@ -4,6 +4,7 @@
 #include <opencv2/core.hpp>
 #include <optional>
 
+#include "common/core/seed.h"
 #include "services/refine/range/range_rules.h"
 #include "services/refine/stereo/patch_matcher.h"
 
@@ -29,5 +30,9 @@ OffsetCosts CostsOf(const OffsetMoments& moments, double noise);
 /// every machine. O(1); thread-safe.
 std::optional<OffsetMoments> MomentsOf(const cv::Mat1b& left, const cv::Mat1b& right,
                                        const SlantedPatch& patch);
+
+/// Whether the windows of a match, or of one a px beside it, are as alike as (R10) asks for; where
+/// one image is blurred they are not. @param noise  as of CostsOf(). O(1); thread-safe.
+bool IsAlike(const cv::Mat1b& left, const cv::Mat1b& right, const Seed& match, double noise);
 
 }  // namespace sprout::refine
