@@ -207,8 +207,7 @@ bool RangeBias::MarkAsked() {
   return any;
 }
 
-// What the nodes around a point say of it: those of its surface, within a widening window; if there
-// are none, all.
+// What the nodes around a point say of it: those of its surface, within a widening window.
 RangeBias::PointError RangeBias::ErrorOf(const TofSurface& surface,
                                          const ProjectedPoint& point) const {
   const double disparity = point.seed.disparity();
@@ -217,54 +216,33 @@ RangeBias::PointError RangeBias::ErrorOf(const TofSurface& surface,
   const cv::Point nearest(static_cast<int>(std::lround(cell.x)),
                           static_cast<int>(std::lround(cell.y)));
   if (cv::Rect({}, asked_.size()).contains(nearest) && asked_(nearest) == 0) return {};
-  struct Sums {
-    double weight = 0, offset = 0, variance = 0, wrong = 0;
-  };
-  const auto add = [&](const cv::Point& of, Sums& sums) {
-    const auto node = static_cast<size_t>(nodes_.At(of.x, of.y));
-    const NodeOffset& offset = field_.offsets()[node];
-    const double across = cell.x - of.x;
-    const double down = cell.y - of.y;
-    const double w = 1 / (0.25 + across * across + down * down);
-    sums.weight += w;
-    const cv::Point2d way = at - nodes_.nodes()[node].at;
-    sums.offset += w * (offset.offset_px + offset.slope.dot(way));
-    sums.variance += w * offset.sigma_px * offset.sigma_px;
-    sums.wrong += w * wrong_nodes_[node];
-  };
-  const auto is_own = [&](const cv::Point& of) {
-    return IsOnSurface(nodes_.nodes()[static_cast<size_t>(nodes_.At(of.x, of.y))], at, disparity);
-  };
-  const cv::Rect grid({}, nodes_.size());
-  // Calls visit(cell) for the cells with a node that lie further away than `asked`.
-  const auto around = [&](int asked, int reach, const auto& visit) {
+  double weight = 0, offset_px = 0, variance = 0, wrong = 0;
+  for (const int reach : kReaches) {
     const cv::Rect window =
-        grid & cv::Rect(nearest.x - reach, nearest.y - reach, 2 * reach + 1, 2 * reach + 1);
+        cv::Rect({}, nodes_.size()) &
+        cv::Rect(nearest.x - reach, nearest.y - reach, 2 * reach + 1, 2 * reach + 1);
     for (int y = window.y; y < window.y + window.height; ++y) {
-      const bool beside = std::abs(y - nearest.y) <= asked;
       for (int x = window.x; x < window.x + window.width; ++x) {
-        if (beside && std::abs(x - nearest.x) <= asked) continue;
-        if (nodes_.At(x, y) >= 0) visit(cv::Point(x, y));
+        if (nodes_.At(x, y) < 0) continue;
+        const auto i = static_cast<size_t>(nodes_.At(x, y));
+        const RangeNode& node = nodes_.nodes()[i];
+        if (!IsOnSurface(node, at, disparity)) continue;
+        const NodeOffset& offset = field_.offsets()[i];
+        const double across = cell.x - x;
+        const double down = cell.y - y;
+        const double w = 1 / (0.25 + across * across + down * down);
+        weight += w;
+        offset_px += w * (offset.offset_px + offset.slope.dot(at - node.at));
+        variance += w * offset.sigma_px * offset.sigma_px;
+        wrong += w * wrong_nodes_[i];
       }
     }
-  };
-  Sums sums;
-  int asked = -1;
-  for (const int reach : kReaches) {
-    around(asked, reach, [&](const cv::Point& of) {
-      if (is_own(of)) add(of, sums);
-    });
-    if (sums.weight > 0) break;
-    asked = reach;
+    if (weight > 0) break;
   }
-  const bool on_surface = sums.weight > 0;
-  if (!on_surface) around(-1, kWidestReach, [&](const cv::Point& of) { add(of, sums); });
-  PointError error{.variance_px2 = field_.variance_px2()};
-  if (sums.weight == 0) return error;
-  error.offset_px = sums.offset / sums.weight;
-  error.contradicted = sums.wrong > sums.weight / 2;
-  if (on_surface) error.variance_px2 = sums.variance / sums.weight;
-  return error;
+  if (weight == 0) return {.variance_px2 = field_.variance_px2()};
+  return {.offset_px = offset_px / weight,
+          .variance_px2 = variance / weight,
+          .contradicted = wrong > weight / 2};
 }
 
 const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings& settings,
