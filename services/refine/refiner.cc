@@ -181,8 +181,10 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
   const bool shows_nothing = range_error_.pair_unfit && !range_error_.rows_unfit;
   if (shows_nothing) TakeBack(rig, result);
   const float smoothed_px = smoothing_ ? SurfaceRules::kSmoothedSigmaPx : 0;
-  for (ProjectedPoint& point : points_) {
-    point.seed.sigma_px = std::hypot(point.seed.sigma_px, smoothed_px);
+  for (size_t i = 0; i < points_.size(); ++i) {
+    float& sigma_px = points_[i].seed.sigma_px;
+    if (!against_.sigma_px.empty()) sigma_px = std::max(sigma_px, against_.sigma_px[i]);
+    sigma_px = std::hypot(sigma_px, smoothed_px);
   }
   AddStepSigma(rig.pair, tof, points_);
   if (shows_nothing) return;

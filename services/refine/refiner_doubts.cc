@@ -44,7 +44,8 @@ bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const T
   const bool differs = !FindContradicted(left, right, points, coarse, coarse_px).points.empty();
   const bool may_be_displaced =
       FindSensorPlace(points, coarse, coarse_px, RangeRules::kFirstLook).is_displaced;
-  if (!differs && !may_be_displaced) return false;
+  const bool moves = range_error_.far_from_curve_share > RangeRules::kDoubtfulMoves;
+  if (!differs && !may_be_displaced && !moves) return false;
   const std::span<const Seed> matches = stereo_.Find(left, right, {}, {}, 0, zones_.most_px());
   if (range_error_.moved_share == 0 && ShiftsRows(points, matches)) {
     range_error_.pair_unfit = range_error_.rows_shifted = true;
@@ -52,8 +53,9 @@ bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const T
     return false;
   }
   place_ = FindSensorPlace(points, matches, RangeRules::kAgreePx);
-  if (differs && !place_.is_displaced) {
-    against_ = FindContradicted(left, right, points, matches, RangeRules::kAgreePx);
+  if ((differs || moves) && !place_.is_displaced) {
+    const CellGrid cells(stereo_.SpacingPx(left.cols), left.size());
+    against_ = FindContradicted(left, right, points, matches, RangeRules::kAgreePx, &cells);
   }
   const auto is_contradicted = [](uint8_t is) { return is != 0; };
   return place_.is_displaced ||

@@ -11,15 +11,25 @@
 namespace sprout::refine {
 namespace {
 
+double Square(double x) { return x * x; }
+
 // What matches say of points.
 struct MatchVotes {
   double agreeing = 0;
   double against = 0;
+  // If it is asked how far they are off: squares of that, of what points and matches claim, and of
+  // what matches alone claim.
+  double off_px2 = 0;
+  double claimed_px2 = 0;
+  double of_matches_px2 = 0;
 
   bool none() const { return agreeing + against == 0; }
   void Add(const MatchVotes& others, double weight = 1) {
     agreeing += weight * others.agreeing;
     against += weight * others.against;
+    off_px2 += weight * others.off_px2;
+    claimed_px2 += weight * others.claimed_px2;
+    of_matches_px2 += weight * others.of_matches_px2;
   }
 };
 
@@ -109,11 +119,18 @@ bool Prefers(const cv::Mat1b& left, const cv::Mat1b& right, const Seed& place, d
 }
 
 // What each match says of the point that it lies at: it agrees with one of those around, or the
-// images prefer its disparity to theirs. Where they do not, stereo may err.
+// images prefer its disparity to theirs. Where they do not, stereo may err. How far it is from
+// their planes is told in the cells of stereo, in whose middle it lies.
 std::vector<MatchVotes> VotesOf(const cv::Mat1b& left, const cv::Mat1b& right,
                                 const PlacedPoints& points, std::span<const Seed> matches,
-                                double agree_px) {
+                                double agree_px, const CellGrid* cells_of_matches) {
   const std::span<const ProjectedPoint> all = points.corrected;
+  PointSurface planes;
+  std::vector<Seed> seeds;
+  if (cells_of_matches != nullptr) {
+    for (const ProjectedPoint& point : all) seeds.push_back(point.seed);
+    planes.Set(seeds, *cells_of_matches);
+  }
   const double wide = std::max(1.0, points.spacing_px.width);
   const double high = std::max(1.0, points.spacing_px.height);
   const auto cell_of = [&](const Seed& seed) {
@@ -132,46 +149,65 @@ std::vector<MatchVotes> VotesOf(const cv::Mat1b& left, const cv::Mat1b& right,
     cells.Around(cell, 1, [&](size_t other) {
       if (off_px(other) < off_px(best)) best = other;
     });
-    if (off_px(best) <= agree_px) {
-      ++votes[best].agreeing;
+    const bool agrees = off_px(best) <= agree_px;
+    if (!agrees && !Prefers(left, right, match, match.disparity(), all[best].seed.disparity()))
       continue;
+    MatchVotes vote{.agreeing = agrees ? 1.0 : 0.0, .against = agrees ? 0.0 : 1.0};
+    const size_t of = agrees ? best : cells.At(cell);
+    if (cells_of_matches != nullptr) {
+      const cv::Point at(cells_of_matches->At(match.u), cells_of_matches->At(match.v));
+      constexpr double kMost = RangeRules::kAgreePx;  // so that stereo's mistakes do not rule
+      vote.off_px2 = Square(std::min(planes.OffPx(at, match.disparity()), kMost));
+      vote.of_matches_px2 = Square(match.sigma_px);
+      vote.claimed_px2 =
+          vote.of_matches_px2 + std::min(Square(all[of].seed.sigma_px), Square(kMost));
     }
-    if (Prefers(left, right, match, match.disparity(), all[best].seed.disparity()))
-      ++votes[cells.At(cell)].against;
+    votes[of].Add(vote);
   }
   return votes;
+}
+
+// Of each point the votes around it on its surface, the nearest weighing most; where there are
+// none, those of all of the surface.
+std::vector<MatchVotes> VotesAround(const PlacedPoints& points, std::span<const MatchVotes> votes) {
+  const std::span<const ProjectedPoint> all = points.corrected;
+  const CellIndex pixels = InRangeImage(all);
+  const double spacing_px = std::max(points.spacing_px.width, points.spacing_px.height);
+  const std::vector<size_t> surfaces = SurfacesOf(all, pixels, SurfaceRules::EdgePx(spacing_px));
+  std::vector<MatchVotes> of_surface(all.size()), around(all.size());
+  for (size_t i = 0; i < all.size(); ++i) of_surface[surfaces[i]].Add(votes[i]);
+  for (size_t i = 0; i < all.size(); ++i) {
+    pixels.Around(PixelOf(all[i]), RangeRules::kVoteReach, [&](size_t other) {
+      if (surfaces[other] != surfaces[i]) return;
+      const cv::Point way = PixelOf(all[other]) - PixelOf(all[i]);
+      around[i].Add(votes[other], 1 / (0.25 + way.dot(way)));
+    });
+    if (around[i].none()) around[i] = of_surface[surfaces[i]];
+  }
+  return around;
 }
 
 }  // namespace
 
 Contradiction FindContradicted(const cv::Mat1b& left, const cv::Mat1b& right,
                                const PlacedPoints& points, std::span<const Seed> matches,
-                               double agree_px) {
-  const std::span<const ProjectedPoint> all = points.corrected;
-  const std::vector<MatchVotes> votes = VotesOf(left, right, points, matches, agree_px);
+                               double agree_px, const CellGrid* cells_of_matches) {
+  const std::vector<MatchVotes> votes =
+      VotesOf(left, right, points, matches, agree_px, cells_of_matches);
   MatchVotes sum;
   for (const MatchVotes& of_point : votes) sum.Add(of_point);
   Contradiction found;
   if (sum.none()) return found;
   found.share = sum.against / (sum.agreeing + sum.against);
-  if (found.share <= RangeRules::kDifferingShare) return found;
-  const CellIndex pixels = InRangeImage(all);
-  const double spacing_px = std::max(points.spacing_px.width, points.spacing_px.height);
-  const double step_px = SurfaceRules::EdgePx(spacing_px);
-  const std::vector<size_t> surfaces = SurfacesOf(all, pixels, step_px);
-  std::vector<MatchVotes> of_surface(all.size());
-  for (size_t i = 0; i < all.size(); ++i) of_surface[surfaces[i]].Add(votes[i]);
-  found.points.assign(all.size(), 0);
-  for (size_t i = 0; i < all.size(); ++i) {
-    MatchVotes here;
-    pixels.Around(PixelOf(all[i]), RangeRules::kVoteReach, [&](size_t other) {
-      if (surfaces[other] != surfaces[i]) return;
-      const cv::Point way = PixelOf(all[other]) - PixelOf(all[i]);
-      here.Add(votes[other], 1 / (0.25 + way.dot(way)));
-    });
-    if (here.none()) here = of_surface[surfaces[i]];
-    const bool is_wrong = here.against > RangeRules::kAgainstShare * (here.agreeing + here.against);
-    found.points[i] = is_wrong ? 1 : 0;
+  const bool differs = found.share > RangeRules::kDifferingShare;
+  const bool claims_too_much = sum.off_px2 > RangeRules::kUnexplained * sum.claimed_px2;
+  if (!differs && !claims_too_much) return found;
+  for (const MatchVotes& here : VotesAround(points, votes)) {
+    const double count = here.agreeing + here.against;
+    if (differs) found.points.push_back(here.against > RangeRules::kAgainstShare * count ? 1 : 0);
+    if (!claims_too_much) continue;
+    const double off_px2 = std::max(0.0, here.off_px2 - here.of_matches_px2);
+    found.sigma_px.push_back(count == 0 ? 0 : static_cast<float>(std::sqrt(off_px2 / count)));
   }
   return found;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "services/refine/range/sensor_place.h"
+#include "services/refine/stereo/point_surface.h"
 
 namespace sprout::refine {
 
@@ -14,6 +15,9 @@ struct Contradiction {
   /// 1 or 0 for each of PlacedPoints::corrected; empty where stereo contradicts none.
   std::vector<uint8_t> points;
   double share = 0;  ///< of the matches that tell, 0 to 1
+  /// Standard deviation of each corrected point's error as the matches around show it, px, up to
+  /// RangeRules::kAgreePx; empty where those that the points have explain it, or if not asked.
+  std::vector<float> sigma_px = {};
 };
 
 /// Asks of each corrected point whether stereo contradicts it: of the matches around it on its
@@ -22,10 +26,12 @@ struct Contradiction {
 /// Nothing is contradicted if hardly more matches differ than with right sensors.
 /// @param left, right  rectified pair, grey.
 /// @param matches, agree_px  as for FindSensorPlace().
+/// @param cells_of_matches   null, or the cells that `matches` were looked for in, one each: then
+///                           the errors of the points are asked, too.
 /// O(points + matches). No I/O; one thread; the same on every machine.
 Contradiction FindContradicted(const cv::Mat1b& left, const cv::Mat1b& right,
                                const PlacedPoints& points, std::span<const Seed> matches,
-                               double agree_px);
+                               double agree_px, const CellGrid* cells_of_matches = nullptr);
 
 /// Share of a scan's points that stereo contradicts, of those that a match lies beside: none of the
 /// matches within `reach_px` agrees, and at the point's own place the images prefer the disparity

@@ -208,6 +208,10 @@ struct RangeRules {
   /// If fewer matches than this share differ, none is: of right sensors up to 0.027 of the coarse
   /// ones do (Art, a point every 8 px).
   static constexpr double kDifferingShare = 0.03;
+  /// The points claim too little error if the squares of their distances to matches are so many
+  /// times what both claim: with bumps of 1.5 to 6 px less, with errors that change within a few
+  /// points up to 11. With 1.6 bumps of 6 px lose 0.1 (NOTES.md).
+  static constexpr double kUnexplained = 1.8;
   /// A scan is not believed if more of its points than this share are contradicted, of so many at
   /// least. Of right scans up to 0.10 are (19 frames of KITTI, 16 to 64 beams; 13 scenes, 0.09),
   /// mirrored, displaced or noisy ones have 0.1 to 1.

@@ -39,14 +39,18 @@ struct FlatScene {
   }
 
   // @param known  where there are matches.
-  Contradiction Find(const cv::Rect& known, double disparity = 20) const {
+  // @param cells  null: it is not asked how far the points are off.
+  Contradiction Find(const cv::Rect& known, double disparity = 20,
+                     const CellGrid* cells = nullptr) const {
     std::vector<Seed> matches;
     for (int v = 4; v < kPicture.height - 4; v += 8) {
       for (int u = 44; u < kPicture.width - 4; u += 8) {
-        if (known.contains({u, v})) matches.push_back(MatchAt(u, v, disparity));
+        if (!known.contains({u, v})) continue;
+        matches.push_back(MatchAt(u, v, disparity));
+        matches.back().sigma_px = 0.25F;
       }
     }
-    return FindContradicted(left, right, {points, points, {5, 5}, kPicture}, matches, 2);
+    return FindContradicted(left, right, {points, points, {5, 5}, kPicture}, matches, 2, cells);
   }
 };
 
@@ -65,6 +69,31 @@ TEST(Contradiction, IsOfTheSurfaceThatIsWrong) {
       ASSERT_EQ(found.points[i] != 0, block.contains(pixel)) << pixel;
     }
   }
+}
+
+// Errors that agree to 2 px are measured, unless the points claim that much themselves.
+TEST(Contradiction, TellsWhatPointsAreOffByWhereTheyClaimTooLittle) {
+  const CellGrid cells(8, kPicture);
+  const cv::Rect all({}, kPicture);
+  FlatScene wall;
+  EXPECT_TRUE(wall.Find(all, 20, &cells).sigma_px.empty());
+  const cv::Rect block(20, 10, 60, 60);
+  wall.SetDisparity(block, 21.5F);
+  EXPECT_TRUE(wall.Find(all).sigma_px.empty());  // not asked
+  const Contradiction found = wall.Find(all, 20, &cells);
+  EXPECT_TRUE(found.points.empty());
+  ASSERT_EQ(found.sigma_px.size(), wall.points.size());
+  const cv::Rect inside(26, 16, 48, 48), beside(14, 4, 72, 72);
+  for (size_t i = 0; i < wall.points.size(); ++i) {
+    const cv::Point pixel(wall.points[i].tof_u, wall.points[i].tof_v);
+    if (inside.contains(pixel)) {
+      ASSERT_NEAR(found.sigma_px[i], 1.48, 0.02) << pixel;
+    } else if (pixel.x > 8 && !beside.contains(pixel)) {  // further left no match is near
+      ASSERT_EQ(found.sigma_px[i], 0) << pixel;
+    }
+  }
+  for (ProjectedPoint& point : wall.points) point.seed.sigma_px = 1.5F;
+  EXPECT_TRUE(wall.Find(all, 20, &cells).sigma_px.empty());
 }
 
 // Where nothing is to be seen, stereo may be wrong as well.
