@@ -55,7 +55,8 @@ bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const T
   place_ = FindSensorPlace(points, matches, RangeRules::kAgreePx);
   if ((differs || moves) && !place_.is_displaced) {
     const CellGrid cells(stereo_.SpacingPx(left.cols), left.size());
-    against_ = FindContradicted(left, right, points, matches, RangeRules::kAgreePx, &cells);
+    against_ = FindContradicted(left, right, points, matches, RangeRules::kAgreePx,
+                                moves ? &cells : nullptr);
   }
   const auto is_contradicted = [](uint8_t is) { return is != 0; };
   return place_.is_displaced ||
@@ -70,7 +71,7 @@ bool Refiner::IsWrongScan(const cv::Mat1b& left, const cv::Mat1b& right) {
     return ShareAgainst(left, right, points_, matches, reach_px);
   };
   double error_px = 0;
-  if (share_against(stereo_.FindCoarse(left, right, error_px)) <= RangeRules::kWrongScan) {
+  if (share_against(stereo_.FindCoarse(left, right, error_px)) <= RangeRules::kDoubtfulScan) {
     return false;
   }
   const double share = share_against(stereo_.Find(left, right, {}, {}, 0, zones_.most_px()));
