@@ -76,8 +76,8 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   left_seeds_.seeds.reserve(points_.size());
   if (!points_.empty()) {
     surface_.Set(rig, points_);
-    if (config_.align_tof()) Align(left, right, tof, projector);
     for (ProjectedPoint& point : points_) point.seed.sigma_px = 0;
+    if (config_.align_tof()) Align(left, right, tof, projector);
     if (config_.range_bias() != RefineConfig::OFF) MoveToTruth(left, right, tof, projector, result);
     noise_ = Noise(left, right);
     const bool coarse = stereo_.IsCoarse(surface_.spacing_px(), left.cols);
@@ -132,6 +132,7 @@ void Refiner::Align(const cv::Mat1b& left, const cv::Mat1b& right, const TofImag
   } else {
     scan_move_ = scan_aligner_.Estimate(InputOf(left, right, rig), points_);
     if (!scan_move_.is_off) return;
+    before_move_ = points_;
     ApplyMove(scan_move_, rig, points_);
   }
   surface_.Set(rig, points_);
@@ -162,6 +163,10 @@ void Refiner::TakeBack(const Rig& rig, SeedSet& result) {
   if (tof_offset_.IsOff()) {
     ApplyOffset({.du_px = -tof_offset_.du_px, .dv_px = -tof_offset_.dv_px}, rig, points_);
     tof_offset_ = {};
+  }
+  if (scan_move_.is_off) {
+    points_ = before_move_;
+    scan_move_ = {};
   }
   surface_.Set(rig, points_);
 }

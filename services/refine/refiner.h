@@ -147,6 +147,7 @@ class Refiner {
   Smoothing smoothing_;
   Fattening fattening_;
   std::vector<ProjectedPoint> before_fattening_;
+  std::vector<ProjectedPoint> before_move_;  // of a scan
   UnsurePoints unsure_;
   RangeNoise noise_;                  // of the points
   std::vector<ProjectedPoint> kept_;  // first those whose window lies in both images

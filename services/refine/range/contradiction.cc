@@ -200,12 +200,12 @@ Contradiction FindContradicted(const cv::Mat1b& left, const cv::Mat1b& right,
   if (sum.none()) return found;
   found.share = sum.against / (sum.agreeing + sum.against);
   const bool differs = found.share > RangeRules::kDifferingShare;
-  const bool claims_too_much = sum.off_px2 > RangeRules::kUnexplained * sum.claimed_px2;
-  if (!differs && !claims_too_much) return found;
+  const bool claims_too_little = sum.off_px2 > RangeRules::kUnexplained * sum.claimed_px2;
+  if (!differs && !claims_too_little) return found;
   for (const MatchVotes& here : VotesAround(points, votes)) {
     const double count = here.agreeing + here.against;
     if (differs) found.points.push_back(here.against > RangeRules::kAgainstShare * count ? 1 : 0);
-    if (!claims_too_much) continue;
+    if (!claims_too_little) continue;
     const double off_px2 = std::max(0.0, here.off_px2 - here.of_matches_px2);
     found.sigma_px.push_back(count == 0 ? 0 : static_cast<float>(std::sqrt(off_px2 / count)));
   }

@@ -203,6 +203,25 @@ TEST(Refiner, MovesAScanThatIsOff) {
   EXPECT_GT(compared, 500);
 }
 
+// Two fifths of the right image show something else, so it is the pair that is wrong.
+TEST(Refiner, TakesAMoveBackBesideAPairThatDoesNotFit) {
+  ScanScene scene({.right_px = 5});
+  cv::Mat1b part = scene.right.rowRange(0, 2 * scene.right.rows / 5);
+  cv::RNG(3).fill(part, cv::RNG::UNIFORM, 0, 256);
+  ASSERT_TRUE(scene.Estimate().is_off);
+  const auto seeds_of = [&](Refiner refiner) {
+    const auto seeds =
+        refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig)).value();
+    EXPECT_TRUE(refiner.range_error().pair_unfit);
+    EXPECT_FALSE(refiner.scan_move().is_off);
+    return seeds.seeds;
+  };
+  RefineConfig config;
+  const std::vector<Seed> taken_back = seeds_of(Refiner(config));
+  config.set_align_tof(false);
+  EXPECT_EQ(taken_back, seeds_of(Refiner(config)));
+}
+
 TEST(RefineAdapter, SaysThatAScanWasMoved) {
   RefineAdapter adapter{RefineConfig()};
   const auto said = [&](const ScanScene& scene) {
