@@ -167,7 +167,7 @@ bool RangeBias::JudgePair(const RangeInput& input, const RangeSettings& settings
   const bool many = error_.contradicted_share > RangeRules::kRejectedShare;
   const bool doubtful = !curve_.is_zero() || field_.variance_px2() > 0 ||
                         error_.contradicted_share > RangeRules::kDoubtfulShare;
-  const PairFit fit = doubtful && input.surface.has_pixels() ? PairFitAt(input, nodes_) : PairFit{};
+  const PairFit fit = doubtful ? PairFitAt(input, nodes_) : PairFit{};
   const bool on_other_rows = fit.rows_gain > RangeRules::kRowsGain;
   error_.rows_unfit = on_other_rows && !many;
   error_.pair_unfit = on_other_rows;
