@@ -120,7 +120,8 @@ class Refiner {
                        SeedSet& result);
   void TakeBack(const Rig& rig, SeedSet& result);
   bool IsDoubtful(int columns) const;
-  bool IsWrongScan(const cv::Mat1b& left, const cv::Mat1b& right);
+  bool PairShiftsRows(const PlacedPoints& points, std::span<const Seed> matches);
+  bool IsWrongScan(const cv::Mat1b& left, const cv::Mat1b& right, const PlacedPoints& points);
   bool IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                    const TofProjector& projector);
   void DropNoise();

@@ -24,20 +24,29 @@ bool Refiner::IsDoubtful(int columns) const {
          static_cast<double>(near) > RangeRules::kNearShare * static_cast<double>(points_.size());
 }
 
+// Whether the pair is at fault, not the points.
+bool Refiner::PairShiftsRows(const PlacedPoints& points, std::span<const Seed> matches) {
+  if (range_error_.moved_share > 0 || !ShiftsRows(points, matches)) return false;
+  range_error_.pair_unfit = range_error_.rows_shifted = true;
+  range_error_.curve.clear();
+  return true;
+}
+
 // Whether stereo that knows nothing of the points shows that all belong elsewhere, or contradicts
 // all; if not, which it contradicts. Asked only where much is wrong with them: first of coarse
 // matches, which take a fifth of the time.
 bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                           const TofProjector& projector) {
   if (!IsDoubtful(left.cols)) return false;
-  if (!surface_.has_pixels()) return IsWrongScan(left, right);
+  PlacedPoints points{.raw = {},
+                      .corrected = points_,
+                      .spacing_px = {surface_.column_px(), surface_.row_px()},
+                      .image = left.size(),
+                      .infinity_px = projector.rig().pair.cx - projector.rig().pair.cx_right};
+  if (!surface_.has_pixels()) return IsWrongScan(left, right, points);
   int behind = 0;
   const std::vector<ProjectedPoint> raw = projector.Project(tof, behind);
-  const PlacedPoints points{.raw = raw,
-                            .corrected = points_,
-                            .spacing_px = {surface_.column_px(), surface_.row_px()},
-                            .image = left.size(),
-                            .infinity_px = projector.rig().pair.cx - projector.rig().pair.cx_right};
+  points.raw = raw;
   double error_px = 0;
   const std::span<const Seed> coarse = stereo_.FindCoarse(left, right, error_px);
   const double coarse_px = RangeRules::kAgreePx + error_px;
@@ -47,11 +56,7 @@ bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const T
   const bool moves = range_error_.far_from_curve_share > RangeRules::kDoubtfulMoves;
   if (!differs && !may_be_displaced && !moves) return false;
   const std::span<const Seed> matches = stereo_.Find(left, right, {}, {}, 0, zones_.most_px());
-  if (range_error_.moved_share == 0 && ShiftsRows(points, matches)) {
-    range_error_.pair_unfit = range_error_.rows_shifted = true;
-    range_error_.curve.clear();
-    return false;
-  }
+  if (PairShiftsRows(points, matches)) return false;
   place_ = FindSensorPlace(points, matches, RangeRules::kAgreePx);
   if ((differs || moves) && !place_.is_displaced) {
     const CellGrid cells(stereo_.SpacingPx(left.cols), left.size());
@@ -65,7 +70,8 @@ bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const T
 
 // Points of a scan are compared with the matches at their own places alone: between beams the scene
 // may differ. As above coarse matches are asked first.
-bool Refiner::IsWrongScan(const cv::Mat1b& left, const cv::Mat1b& right) {
+bool Refiner::IsWrongScan(const cv::Mat1b& left, const cv::Mat1b& right,
+                          const PlacedPoints& points) {
   const double reach_px = stereo_.SpacingPx(left.cols);
   const auto share_against = [&](std::span<const Seed> matches) {
     return ShareAgainst(left, right, points_, matches, reach_px);
@@ -74,7 +80,9 @@ bool Refiner::IsWrongScan(const cv::Mat1b& left, const cv::Mat1b& right) {
   if (share_against(stereo_.FindCoarse(left, right, error_px)) <= RangeRules::kDoubtfulScan) {
     return false;
   }
-  const double share = share_against(stereo_.Find(left, right, {}, {}, 0, zones_.most_px()));
+  const std::span<const Seed> matches = stereo_.Find(left, right, {}, {}, 0, zones_.most_px());
+  if (PairShiftsRows(points, matches)) return false;
+  const double share = share_against(matches);
   if (share <= RangeRules::kWrongScan) return false;
   against_ = {.points = std::vector<uint8_t>(points_.size(), 1), .share = share};
   return true;

@@ -174,7 +174,6 @@ bool RangeBias::JudgePair(const RangeInput& input, const RangeSettings& settings
   if (!on_other_rows && (many || fit.cost > RangeRules::kPoorCost)) {
     const std::span<const Seed> matches = settings.matches();
     error_.rows_shifted =
-        input.surface.has_pixels() &&
         ShiftsRows({.raw = {},
                     .corrected = points,
                     .spacing_px = {input.surface.column_px(), input.surface.row_px()},

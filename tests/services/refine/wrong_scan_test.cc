@@ -1,6 +1,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <opencv2/imgproc.hpp>
+
 #include "services/refine/refine_adapter.h"
 #include "services/refine/refiner.h"
 #include "tests/services/refine/refine_scene.h"
@@ -38,6 +43,37 @@ TEST(WrongScan, IsNoRightOne) {
   const auto seeds = refiner.Compute(right.left, right.right, right.tof, TofProjector(right.rig));
   EXPECT_FALSE(refiner.range_error().rejected);
   EXPECT_GT(CountTofSeeds(seeds->seeds), 500);
+}
+
+// The error beside a right scan if the right image has been taken from other places.
+RangeError ErrorBesideRight(const std::function<cv::Point(const cv::Point&)>& from) {
+  BoxScene scene = ScatteredScene(0);
+  for (cv::Mat1b* image : {&scene.left, &scene.right}) cv::GaussianBlur(*image, *image, {}, 1);
+  const cv::Mat1b right = scene.right.clone();
+  for (int v = 0; v < right.rows; ++v) {
+    for (int u = 0; u < right.cols; ++u) {
+      const cv::Point at = from({u, v});
+      scene.right(v, u) = right(std::clamp(at.y, 0, right.rows - 1), std::max(0, at.x));
+    }
+  }
+  Refiner refiner{RefineConfig()};
+  const auto seeds =
+      refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig)).value();
+  EXPECT_GT(CountTofSeeds(seeds.seeds), 400);
+  EXPECT_FALSE(refiner.range_error().rejected);
+  return refiner.range_error();
+}
+
+TEST(WrongScan, IsNoRightOneBesideAPairThatIsTurned) {
+  const auto turned = [](const cv::Point& at) {
+    return cv::Point(at.x, at.y - static_cast<int>(std::lround(0.01 * (at.x - 200))));
+  };
+  EXPECT_TRUE(ErrorBesideRight(turned).rows_unfit);
+}
+
+TEST(WrongScan, IsNoRightOneBesideAHalfThatHangs) {
+  const auto half = [](const cv::Point& at) { return at.y < 150 ? at : cv::Point(at.x - 6, at.y); };
+  EXPECT_TRUE(ErrorBesideRight(half).rows_shifted);
 }
 
 // One range, as of a distance sensor, nearer than all that the images show.
