@@ -11,8 +11,6 @@
 namespace sprout::refine {
 namespace {
 
-double Square(double x) { return x * x; }
-
 // What matches say of points.
 struct MatchVotes {
   double agreeing = 0;
@@ -157,10 +155,12 @@ std::vector<MatchVotes> VotesOf(const cv::Mat1b& left, const cv::Mat1b& right,
     if (cells_of_matches != nullptr) {
       const cv::Point at(cells_of_matches->At(match.u), cells_of_matches->At(match.v));
       constexpr double kMost = RangeRules::kAgreePx;  // so that stereo's mistakes do not rule
-      vote.off_px2 = Square(std::min(planes.OffPx(at, match.disparity()), kMost));
-      vote.of_matches_px2 = Square(match.sigma_px);
-      vote.claimed_px2 =
-          vote.of_matches_px2 + std::min(Square(all[of].seed.sigma_px), Square(kMost));
+      const double off_plane_px = std::min(planes.OffPx(at, match.disparity()), kMost);
+      const double of_match_px = double{match.sigma_px};
+      const double of_point_px = std::min(double{all[of].seed.sigma_px}, kMost);
+      vote.off_px2 = off_plane_px * off_plane_px;
+      vote.of_matches_px2 = of_match_px * of_match_px;
+      vote.claimed_px2 = vote.of_matches_px2 + of_point_px * of_point_px;
     }
     votes[of].Add(vote);
   }
