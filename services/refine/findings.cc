@@ -6,8 +6,6 @@
 #include <cmath>
 
 #include "common/inputs/judge_ranges.h"
-#include "services/refine/alignment/scan_alignment.h"
-#include "services/refine/range/range_bias.h"
 
 namespace sprout::refine {
 namespace {
@@ -59,11 +57,11 @@ std::string PlaceText(const SensorPlace& place) {
 }
 
 // Why all range points are refused, or the images say nothing of them.
-std::string RefusalText(const Refiner& refiner) {
-  const RangeError& error = refiner.range_error();
-  if (refiner.sensor_place().is_displaced) return PlaceText(refiner.sensor_place());
-  if (error.rejected && !refiner.contradiction().points.empty()) {
-    return ContradictionText(refiner.contradiction());
+std::string RefusalText(const RefineFindings& found) {
+  const RangeError& error = found.range_error;
+  if (found.sensor_place.is_displaced) return PlaceText(found.sensor_place);
+  if (error.rejected && !found.contradiction.points.empty()) {
+    return ContradictionText(found.contradiction);
   }
   if (error.rejected) {
     return fmt::format(
@@ -93,32 +91,32 @@ std::string Joined(const std::string& text, const std::string& more) {
   return text + (text.empty() || more.empty() ? "" : "; ") + more;
 }
 
-std::string DegenerateText(const Refiner& refiner, const SeedSet& seeds, bool stereo_seeds) {
+std::string DegenerateText(const RefineFindings& found, const SeedSet& seeds, bool stereo_seeds) {
   std::string text = seeds.seeds.empty() ? NoSeedsText(seeds, stereo_seeds) : "";
-  text = Joined(text, RefusalText(refiner));
-  if (const std::optional<RangeKnot>& absurd = refiner.range_error().absurd) {
+  text = Joined(text, RefusalText(found));
+  if (const std::optional<RangeKnot>& absurd = found.range_error.absurd) {
     text = Joined(text, fmt::format("ranges are off by {:+.2f} m at {:.2f} m, more than a sensor "
                                     "can be: none is believed; are their unit, the focal length "
                                     "and the baseline right?",
                                     absurd->error_m, absurd->depth_m));
   }
-  if (!refiner.are_noise()) return text;
+  if (!found.are_noise) return text;
   return Joined(text, fmt::format("{} of {} range points differ from all around them, as noise "
                                   "does: none is believed",
                                   seeds.loose, seeds.raw));
 }
 
-std::optional<std::string> FindingText(const Refiner& refiner) {
-  std::optional<std::string> text = RangeErrorText(refiner.range_error());
+std::optional<std::string> FindingText(const RefineFindings& found) {
+  std::optional<std::string> text = RangeErrorText(found.range_error);
   const auto put_first = [&](const std::string& finding) {
     text = Joined(finding, text.value_or(""));
   };
-  if (!refiner.range_error().rejected && !refiner.contradiction().points.empty()) {
-    put_first(ContradictionText(refiner.contradiction()));
+  if (!found.range_error.rejected && !found.contradiction.points.empty()) {
+    put_first(ContradictionText(found.contradiction));
   }
-  if (refiner.smoothing()) put_first(SmoothingText(refiner.smoothing()));
-  if (refiner.fattening()) put_first(FatteningText(refiner.fattening()));
-  if (refiner.scan_move().is_off) put_first(ScanMoveText(refiner.scan_move()));
+  if (found.smoothing) put_first(SmoothingText(found.smoothing));
+  if (found.fattening) put_first(FatteningText(found.fattening));
+  if (found.scan_move.is_off) put_first(ScanMoveText(found.scan_move));
   return text;
 }
 

@@ -78,7 +78,7 @@ Result<SeedSet> RefineAdapter::Refine(const Frame& frame) {
 TofOffsetStatus RefineAdapter::OffsetOf(const Frame& frame) {
   if (frame.tof->depth_m.empty() || check_tof_every_ == 0) return {};
   if (!pose_turn_.Take(frame.id, check_tof_every_)) return {};
-  TofOffset offset = refiner_.tof_offset();
+  TofOffset offset = refiner_.found().tof_offset;
   if (!aligns_tof_) {
     const TofProjector& projector = ProjectorOf(*frame.rig);
     int behind = 0;
@@ -146,7 +146,8 @@ RefineAdapter::Refined RefineAdapter::RefineWhole(const Frame& frame) {
   // Most rigs of this kind look at nothing so far away. That is seen at a tenth of the cost.
   if (!HasPointsBelowZero(frame, kMinShare)) {
     result = RefineFrom0(frame);
-    if (!result->fits || static_cast<double>(refiner_.unanswered_cells()) <= share_of(*result)) {
+    if (!result->fits ||
+        static_cast<double>(refiner_.found().unanswered_cells) <= share_of(*result)) {
       return std::move(*result);
     }
   }
@@ -179,11 +180,11 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
     outcome.outputs = {{Part::kSeeds, SeedSet()}, {Part::kLeftSeeds, SeedSet()}};
     return refined;
   }
-  const RangeError& error = refiner_.range_error();
-  outcome.degenerate = DegenerateText(refiner_, *seeds, finds_stereo_seeds_);
-  outcome.ranges_refused = error.Refuses() || refiner_.are_noise();
+  const RangeError& error = refiner_.found().range_error;
+  outcome.degenerate = DegenerateText(refiner_.found(), *seeds, finds_stereo_seeds_);
+  outcome.ranges_refused = error.Refuses() || refiner_.found().are_noise;
   outcome.ranges_alone = error.pair_unfit && error.moved_share == 0 && !outcome.ranges_refused;
-  outcome.finding = FindingText(refiner_);
+  outcome.finding = FindingText(refiner_.found());
   outcome.outputs.push_back({Part::kSeeds, *std::move(seeds)});
   outcome.outputs.push_back({Part::kLeftSeeds, refiner_.left_seeds()});
   return refined;

@@ -55,6 +55,7 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
     return tl::unexpected(set.error());
   }
   SeedSet result;
+  found_ = {};
   left_seeds_ = {.seeds = std::move(left_seeds_.seeds)};
   // Projection of every ToF point to (u, u', v) (paper, II-A).
   points_ = projector.Project(tof, result.outside, std::move(points_));
@@ -63,15 +64,6 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
     result.contradicted =
         unwrapper_.Apply(left, right, tof, projector, config_.unambiguous_range_m(), points_);
   }
-  tof_offset_ = {};
-  scan_move_ = {};
-  range_error_ = {};
-  place_ = {};
-  against_ = {};
-  smoothing_ = {};
-  fattening_ = {};
-  unanswered_cells_ = 0;
-  are_noise_ = false;
   left_seeds_.seeds.clear();
   left_seeds_.seeds.reserve(points_.size());
   if (!points_.empty()) {
@@ -79,36 +71,32 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
     for (ProjectedPoint& point : points_) point.seed.sigma_px = 0;
     if (config_.align_tof()) Align(left, right, tof, projector);
     if (config_.range_bias() != RefineConfig::OFF) MoveToTruth(left, right, tof, projector, result);
-    noise_ = Noise(left, right);
-    const bool coarse = stereo_.IsCoarse(surface_.spacing_px(), left.cols);
-    for (ProjectedPoint& point : points_) {
-      Seed& seed = point.seed;
-      const double noise_px =
-          coarse ? noise_.PxAt(seed.disparity()) : surface_.NoisePxAt(point, noise_);
-      seed.sigma_px = std::clamp(std::hypot(seed.sigma_px, static_cast<float>(noise_px)),
-                                 static_cast<float>(SurfaceRules::kMinSigmaPx),
-                                 static_cast<float>(SurfaceRules::kMaxSigmaPx));
-    }
+    AddNoise(left, right);
     KeepReliable(left, right, tof, result);
     KeepVisible(left, right, result);
   }
-  const bool nothing_fits =
-      range_error_.rows_shifted ||
-      (range_error_.pair_unfit && range_error_.contradicted_share > RangeRules::kNothingFits);
-  if (config_.stereo_seeds() && !nothing_fits) {
-    const double spacing_px = points_.empty() ? 0 : surface_.spacing_px();
-    const bool dense = !points_.empty() && !stereo_.IsCoarse(spacing_px, left.cols);
-    // A sensor that is refused for its place was found wrong with all of them.
-    const std::span<const Seed> stereo =
-        range_error_.rejected
-            ? stereo_.found()
-            : stereo_.Find(left, right, result.seeds, Covered(dense), spacing_px, zones_.most_px());
-    unanswered_cells_ = stereo_.unanswered();
-    if (dense) result.contradicted += unsure_.Drop(grid, noise_, stereo, result.seeds);
-    result.seeds.insert(result.seeds.end(), stereo.begin(), stereo.end());
-  }
+  if (config_.stereo_seeds()) AddStereo(left, right, grid, result);
   if (!zones.views.empty()) FillFromZones(result, grid, left.size());
   return result;
+}
+
+// Seeds from the pair, where the points leave room for them.
+void Refiner::AddStereo(const cv::Mat1b& left, const cv::Mat1b& right, const CellGrid& grid,
+                        SeedSet& result) {
+  const bool nothing_fits = found_.range_error.rows_shifted ||
+                            (found_.range_error.pair_unfit &&
+                             found_.range_error.contradicted_share > RangeRules::kNothingFits);
+  if (nothing_fits) return;
+  const double spacing_px = points_.empty() ? 0 : surface_.spacing_px();
+  const bool dense = !points_.empty() && !stereo_.IsCoarse(spacing_px, left.cols);
+  // A sensor that is refused for its place was found wrong with all of them.
+  const std::span<const Seed> stereo =
+      found_.range_error.rejected
+          ? stereo_.found()
+          : stereo_.Find(left, right, result.seeds, Covered(dense), spacing_px, zones_.most_px());
+  found_.unanswered_cells = stereo_.unanswered();
+  if (dense) result.contradicted += unsure_.Drop(grid, noise_, stereo, result.seeds);
+  result.seeds.insert(result.seeds.end(), stereo.begin(), stereo.end());
 }
 
 // What the estimates of the range sensor's errors look at.
@@ -126,14 +114,14 @@ void Refiner::Align(const cv::Mat1b& left, const cv::Mat1b& right, const TofImag
                     const TofProjector& projector) {
   const Rig& rig = projector.rig();
   if (surface_.has_pixels()) {
-    tof_offset_ = aligner_.Estimate(left, right, points_, tof, projector);
-    if (!tof_offset_.IsOff()) return;
-    ApplyOffset(tof_offset_, rig, points_);
+    found_.tof_offset = aligner_.Estimate(left, right, points_, tof, projector);
+    if (!found_.tof_offset.IsOff()) return;
+    ApplyOffset(found_.tof_offset, rig, points_);
   } else {
-    scan_move_ = scan_aligner_.Estimate(InputOf(left, right, rig), points_);
-    if (!scan_move_.is_off) return;
+    found_.scan_move = scan_aligner_.Estimate(InputOf(left, right, rig), points_);
+    if (!found_.scan_move.is_off) return;
     before_move_ = points_;
-    ApplyMove(scan_move_, rig, points_);
+    ApplyMove(found_.scan_move, rig, points_);
   }
   surface_.Set(rig, points_);
 }
@@ -143,30 +131,31 @@ void Refiner::DropBesideEdges(const cv::Mat1b& left, const cv::Mat1b& right, con
                               SeedSet& result) {
   if (!surface_.has_pixels() || !config_.stereo_seeds()) return;
   const auto before = std::ssize(points_);
-  smoothing_ = DropSmoothed(surface_, points_);
-  if (!smoothing_) {
+  found_.smoothing = DropSmoothed(surface_, points_);
+  if (!found_.smoothing) {
     const double noise_px = surface_.Noise(points_).middle_px;
-    fattening_ = DropFattened(surface_, left, right, noise_px, points_, before_fattening_);
+    found_.fattening = DropFattened(surface_, left, right, noise_px, points_, before_fattening_);
   }
-  if (!smoothing_ && !fattening_) return;
+  if (!found_.smoothing && !found_.fattening) return;
   result.contradicted += static_cast<int32_t>(before - std::ssize(points_));
   surface_.Set(rig, points_);
 }
 
 // Images that do not fit each other on any rows put no sensor right.
 void Refiner::TakeBack(const Rig& rig, SeedSet& result) {
-  if (fattening_) {
+  if (found_.fattening) {
     result.contradicted -= static_cast<int32_t>(before_fattening_.size() - points_.size());
     points_ = before_fattening_;
-    fattening_ = {};
+    found_.fattening = {};
   }
-  if (tof_offset_.IsOff()) {
-    ApplyOffset({.du_px = -tof_offset_.du_px, .dv_px = -tof_offset_.dv_px}, rig, points_);
-    tof_offset_ = {};
+  if (found_.tof_offset.IsOff()) {
+    ApplyOffset({.du_px = -found_.tof_offset.du_px, .dv_px = -found_.tof_offset.dv_px}, rig,
+                points_);
+    found_.tof_offset = {};
   }
-  if (scan_move_.is_off) {
+  if (found_.scan_move.is_off) {
     points_ = before_move_;
-    scan_move_ = {};
+    found_.scan_move = {};
   }
   surface_.Set(rig, points_);
 }
@@ -176,32 +165,33 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
                           const TofProjector& projector, SeedSet& result) {
   const Rig& rig = projector.rig();
   DropBesideEdges(left, right, rig, result);
-  range_error_ = range_.Apply(
+  found_.range_error = range_.Apply(
       InputOf(left, right, rig),
       {.field = config_.range_bias() == RefineConfig::FIELD,
        .error_m = config_.range_error_m(),
        .matches = [&] { return stereo_.Find(left, right, {}, {}, 0, zones_.most_px()); }},
       points_);
-  if (IsDisplaced(left, right, tof, projector)) range_error_.rejected = true;
-  const bool shows_nothing = range_error_.pair_unfit && !range_error_.rows_unfit;
+  if (IsDisplaced(left, right, tof, projector)) found_.range_error.rejected = true;
+  const bool shows_nothing = found_.range_error.pair_unfit && !found_.range_error.rows_unfit;
   if (shows_nothing) TakeBack(rig, result);
-  const float smoothed_px = smoothing_ ? SurfaceRules::kSmoothedSigmaPx : 0;
+  const float smoothed_px = found_.smoothing ? SurfaceRules::kSmoothedSigmaPx : 0;
   for (size_t i = 0; i < points_.size(); ++i) {
     float& sigma_px = points_[i].seed.sigma_px;
-    if (!against_.sigma_px.empty()) sigma_px = std::max(sigma_px, against_.sigma_px[i]);
+    if (!found_.contradiction.sigma_px.empty())
+      sigma_px = std::max(sigma_px, found_.contradiction.sigma_px[i]);
     sigma_px = std::hypot(sigma_px, smoothed_px);
   }
   AddStepSigma(rig.pair, tof, points_);
   if (shows_nothing) return;
   const auto is_contradicted = [&](size_t i) {
-    return range_error_.rejected || range_.contradicted()[i] != 0 ||
-           (!against_.points.empty() && against_.points[i] != 0);
+    return found_.range_error.rejected || range_.contradicted()[i] != 0 ||
+           (!found_.contradiction.points.empty() && found_.contradiction.points[i] != 0);
   };
   size_t kept = 0;
   for (size_t i = 0; i < points_.size(); ++i) {
     if (!is_contradicted(i)) points_[kept++] = points_[i];
   }
-  if (range_error_.moved_share == 0 && kept == points_.size()) return;
+  if (found_.range_error.moved_share == 0 && kept == points_.size()) return;
   result.contradicted += static_cast<int32_t>(points_.size() - kept);
   points_.resize(kept);
   surface_.Set(rig, points_);
@@ -222,7 +212,7 @@ void Refiner::FillFromZones(const SeedSet& result, const CellGrid& grid, cv::Siz
     for (int x = 0; x < grid.size.width; ++x) {
       if (known(y, x) != 0) continue;
       const std::optional<ZoneSurface> surface = zones_.SurfaceAt({x, y});
-      if (!surface || !IsNews(*surface, all_points_, {x, y})) continue;
+      if (!surface || !AddsInformation(*surface, all_points_, {x, y})) continue;
       const cv::Point2d centre = grid.CentrePx({x, y});
       if (!IsInside(centre.x, centre.y, image, 0)) continue;  // the last cells may reach beyond
       if (!(surface->disparity_px >= 0 && surface->disparity_px < kMaxSide)) continue;
@@ -248,19 +238,33 @@ RangeNoise Refiner::Noise(const cv::Mat1b& left, const cv::Mat1b& right) {
   return noise;
 }
 
+// Adds it to what the points may be off by otherwise.
+void Refiner::AddNoise(const cv::Mat1b& left, const cv::Mat1b& right) {
+  noise_ = Noise(left, right);
+  const bool coarse = stereo_.IsCoarse(surface_.spacing_px(), left.cols);
+  for (ProjectedPoint& point : points_) {
+    Seed& seed = point.seed;
+    const double noise_px =
+        coarse ? noise_.PxAt(seed.disparity()) : surface_.NoisePxAt(point, noise_);
+    seed.sigma_px = std::clamp(std::hypot(seed.sigma_px, static_cast<float>(noise_px)),
+                               static_cast<float>(SurfaceRules::kMinSigmaPx),
+                               static_cast<float>(SurfaceRules::kMaxSigmaPx));
+  }
+}
+
 // Where the ToF camera sees something. What it says of dark regions is not to be believed; of
 // points beside edges it is, since which surface they lie on the prior decides better than stereo.
 // Unsure points do not count either, if they are dense; between coarse ones stereo is asked anyway.
 // If the sensor is off, noise counts as well. Of a sensor that gives noise none counts.
 std::span<const cv::Point2f> Refiner::Covered(bool dense) {
   covered_.clear();
-  const bool is_off = range_error_.moved_share > 0;
+  const bool is_off = found_.range_error.moved_share > 0;
   const auto is_unsure = [&](const Seed& point) {
     return is_off ? point.sigma_px > StereoRules::kAskedSigmaPx : UnsurePoints::Is(point, noise_);
   };
   for (size_t i = 0; i < points_.size(); ++i) {
     const bool sure = !dense || !is_unsure(points_[i].seed);
-    if (fates_[i] != Fate::kDark && fates_[i] != Fate::kOutside && sure && !are_noise_) {
+    if (fates_[i] != Fate::kDark && fates_[i] != Fate::kOutside && sure && !found_.are_noise) {
       covered_.emplace_back(points_[i].seed.u, points_[i].seed.v);
     }
   }
@@ -295,9 +299,9 @@ void Refiner::KeepReliable(const cv::Mat1b& left, const cv::Mat1b& right, const 
 void Refiner::DropNoise() {
   const auto in_picture = std::ranges::count_if(
       fates_, [](Fate fate) { return fate == Fate::kKept || fate == Fate::kLoose; });
-  are_noise_ = in_picture >= SurfaceRules::kFewestOfNoise &&
-               2 * std::ranges::count(fates_, Fate::kLoose) > in_picture;
-  if (are_noise_) std::ranges::replace(fates_, Fate::kKept, Fate::kLoose);
+  found_.are_noise = in_picture >= SurfaceRules::kFewestOfNoise &&
+                     2 * std::ranges::count(fates_, Fate::kLoose) > in_picture;
+  if (found_.are_noise) std::ranges::replace(fates_, Fate::kKept, Fate::kLoose);
 }
 
 Refiner::Fate Refiner::FateOf(const ProjectedPoint& point, const cv::Mat1b& left,

@@ -13,15 +13,12 @@
 #include "common/geometry/projection.h"
 #include "services/refine/alignment/scan_alignment.h"
 #include "services/refine/alignment/tof_alignment.h"
-#include "services/refine/range/contradiction.h"
+#include "services/refine/findings.h"
 #include "services/refine/range/range_bias.h"
-#include "services/refine/range/sensor_place.h"
 #include "services/refine/stereo/point_surface.h"
 #include "services/refine/stereo/stereo_seeds.h"
 #include "services/refine/stereo/unsure_points.h"
 #include "services/refine/surface/background.h"
-#include "services/refine/surface/fattened_edges.h"
-#include "services/refine/surface/smoothed_edges.h"
 #include "services/refine/surface/tof_surface.h"
 #include "services/refine/unwrapping/range_unwrapper.h"
 #include "services/refine/zones/zone_evidence.h"
@@ -63,24 +60,10 @@ class Refiner {
   /// The disparity of a point at infinity in the next frames, px, ≥ 0.
   void SetInfinity(int disparity_px) { stereo_.SetInfinity(disparity_px); }
 
-  /// Whether most points of the last call that are neither outside nor dark were loose: then all
-  /// are.
-  bool are_noise() const { return are_noise_; }
+  /// What was found in the last call.
+  const RefineFindings& found() const { return found_; }
 
-  /// Where the points of the last call belong, if that was asked. If the sensor is displaced no
-  /// point is believed.
-  const SensorPlace& sensor_place() const { return place_; }
-  /// Which points of the last call stereo contradicts, if that was asked: they were dropped.
-  const Contradiction& contradiction() const { return against_; }
-
-  /// Whether the range image of the last call was smoothed: what lies beside its edges was dropped.
-  const Smoothing& smoothing() const { return smoothing_; }
-
-  /// Whether near surfaces of it reached beyond their edges: where they did points were dropped.
-  const Fattening& fattening() const { return fattening_; }
-
-  /// Of the stereo seeds of the last call, see StereoSeedFinder.
-  size_t unanswered_cells() const { return unanswered_cells_; }
+  /// See StereoSeedFinder.
   double ShareBelowZero(const cv::Mat1b& left, const cv::Mat1b& right, int columns) {
     return stereo_.ShareBelowZero(left, right, columns);
   }
@@ -92,16 +75,6 @@ class Refiner {
   /// loose and (from the left camera) hidden points; the counts of the seeds list all of them as
   /// outside or hidden.
   const SeedSet& left_seeds() const { return left_seeds_; }
-
-  /// How far off the ToF points of the last call were projected, with config.align_tof(). If
-  /// IsOff(), they were moved before all rules. Not sure when no offset was searched.
-  const TofOffset& tof_offset() const { return tof_offset_; }
-  /// The same of a lidar's scan; the points were moved if it is_off.
-  const ScanMove& scan_move() const { return scan_move_; }
-
-  /// How far the range sensor is off in the last call, and how many points were moved for it, with
-  /// config.range_bias().
-  const RangeError& range_error() const { return range_error_; }
 
  private:
   // What becomes of a point, whether or not the right camera sees it.
@@ -126,27 +99,23 @@ class Refiner {
                    const TofProjector& projector);
   void DropNoise();
   RangeNoise Noise(const cv::Mat1b& left, const cv::Mat1b& right);
+  void AddNoise(const cv::Mat1b& left, const cv::Mat1b& right);
+  void AddStereo(const cv::Mat1b& left, const cv::Mat1b& right, const CellGrid& grid,
+                 SeedSet& result);
   std::span<const cv::Point2f> Covered(bool dense);
   void FillFromZones(const SeedSet& result, const CellGrid& grid, cv::Size image);
   void KeepVisible(const cv::Mat1b& left, const cv::Mat1b& right, SeedSet& result);
 
   RefineConfig config_;
+  RefineFindings found_;
   // Memory of the last frame, for the next.
   std::vector<ProjectedPoint> points_;
   std::vector<Fate> fates_;  // of points_
-  bool are_noise_ = false;
   RangeUnwrapper unwrapper_;
   TofAligner aligner_;
   ScanAligner scan_aligner_;
-  TofOffset tof_offset_;
-  ScanMove scan_move_;
   TofSurface surface_;
   RangeBias range_;
-  RangeError range_error_;
-  SensorPlace place_;
-  Contradiction against_;  // by stereo
-  Smoothing smoothing_;
-  Fattening fattening_;
   std::vector<ProjectedPoint> before_fattening_;
   std::vector<ProjectedPoint> before_move_;  // of a scan
   UnsurePoints unsure_;
@@ -157,7 +126,6 @@ class Refiner {
   BackgroundRule background_;
   std::vector<cv::Point2f> covered_;
   StereoSeedFinder stereo_;
-  size_t unanswered_cells_ = 0;
   ZoneEvidence zones_;
   std::vector<Seed> all_seeds_;
   PointSurface all_points_;

@@ -9,26 +9,26 @@ namespace sprout::refine {
 
 // Whether much is wrong with the points, or they are nearer than anything that stereo looks for.
 bool Refiner::IsDoubtful(int columns) const {
-  if (range_error_.Refuses() || range_error_.pair_unfit) return false;
+  if (found_.range_error.Refuses() || found_.range_error.pair_unfit) return false;
   if (!config_.stereo_seeds()) return false;
   // Of few points nodes are too few to judge by.
   if (!surface_.has_pixels()) {
-    return range_error_.contradicted_share > RangeRules::kDoubtfulScan ||
-           range_error_.moved_share > 0 || points_.size() < RangeRules::kFewOfScan;
+    return found_.range_error.contradicted_share > RangeRules::kDoubtfulScan ||
+           found_.range_error.moved_share > 0 || points_.size() < RangeRules::kFewOfScan;
   }
   const auto most_px = static_cast<float>(stereo_.MostDisparityPx(columns));
   const auto near = std::ranges::count_if(
       points_, [&](const ProjectedPoint& point) { return point.seed.disparity() > most_px; });
-  return range_error_.contradicted_share > RangeRules::kDoubtfulShare ||
-         range_error_.far_from_curve_share > RangeRules::kDoubtfulMoves ||
+  return found_.range_error.contradicted_share > RangeRules::kDoubtfulShare ||
+         found_.range_error.far_from_curve_share > RangeRules::kDoubtfulMoves ||
          static_cast<double>(near) > RangeRules::kNearShare * static_cast<double>(points_.size());
 }
 
 // Whether the pair is at fault, not the points.
 bool Refiner::PairShiftsRows(const PlacedPoints& points, std::span<const Seed> matches) {
-  if (range_error_.moved_share > 0 || !ShiftsRows(points, matches)) return false;
-  range_error_.pair_unfit = range_error_.rows_shifted = true;
-  range_error_.curve.clear();
+  if (found_.range_error.moved_share > 0 || !ShiftsRows(points, matches)) return false;
+  found_.range_error.pair_unfit = found_.range_error.rows_shifted = true;
+  found_.range_error.curve.clear();
   return true;
 }
 
@@ -53,19 +53,20 @@ bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const T
   const bool differs = !FindContradicted(left, right, points, coarse, coarse_px).points.empty();
   const bool may_be_displaced =
       FindSensorPlace(points, coarse, coarse_px, RangeRules::kFirstLook).is_displaced;
-  const bool moves = range_error_.far_from_curve_share > RangeRules::kDoubtfulMoves;
+  const bool moves = found_.range_error.far_from_curve_share > RangeRules::kDoubtfulMoves;
   if (!differs && !may_be_displaced && !moves) return false;
   const std::span<const Seed> matches = stereo_.Find(left, right, {}, {}, 0, zones_.most_px());
   if (PairShiftsRows(points, matches)) return false;
-  place_ = FindSensorPlace(points, matches, RangeRules::kAgreePx);
-  if ((differs || moves) && !place_.is_displaced) {
+  found_.sensor_place = FindSensorPlace(points, matches, RangeRules::kAgreePx);
+  if ((differs || moves) && !found_.sensor_place.is_displaced) {
     const CellGrid cells(stereo_.SpacingPx(left.cols), left.size());
-    against_ = FindContradicted(left, right, points, matches, RangeRules::kAgreePx,
-                                moves ? &cells : nullptr);
+    found_.contradiction = FindContradicted(left, right, points, matches, RangeRules::kAgreePx,
+                                            moves ? &cells : nullptr);
   }
   const auto is_contradicted = [](uint8_t is) { return is != 0; };
-  return place_.is_displaced ||
-         (!against_.points.empty() && std::ranges::all_of(against_.points, is_contradicted));
+  return found_.sensor_place.is_displaced ||
+         (!found_.contradiction.points.empty() &&
+          std::ranges::all_of(found_.contradiction.points, is_contradicted));
 }
 
 // Points of a scan are compared with the matches at their own places alone: between beams the scene
@@ -84,7 +85,7 @@ bool Refiner::IsWrongScan(const cv::Mat1b& left, const cv::Mat1b& right,
   if (PairShiftsRows(points, matches)) return false;
   const double share = share_against(matches);
   if (share <= RangeRules::kWrongScan) return false;
-  against_ = {.points = std::vector<uint8_t>(points_.size(), 1), .share = share};
+  found_.contradiction = {.points = std::vector<uint8_t>(points_.size(), 1), .share = share};
   return true;
 }
 

@@ -24,7 +24,7 @@
 #include "common/geometry/projection.h"
 #include "common/inputs/check_inputs.h"
 #include "common/picture/write_image.h"
-#include "services/pipeline/files/doubt.h"
+#include "services/pipeline/files/bound_confidence.h"
 #include "services/pipeline/files/write_results.h"
 #include "services/pipeline/pipeline.h"
 #include "services/refine/unwrapping/range_unwrapper.h"

@@ -12,7 +12,7 @@ struct SlantedPatch {
   cv::Point2d slope;  ///< px a px
 };
 
-/// The disparity of a patch with which the images differ least, eq. (R17): least squares over the
+/// The disparity of a patch with which the images differ least, eq. (M7): least squares over the
 /// 8×8 pixels around it, at most two steps of Gauss and Newton.
 /// @param left, right    rectified pair, grey, of one size.
 /// @param most_shift_px  the most that the disparity changes.

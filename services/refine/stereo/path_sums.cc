@@ -160,7 +160,7 @@ void LinkPixels(const Row& row, const Line& from, int beside, Links& links) {
   }
 }
 
-// Eq. (R14), in which the least of the pixel before is 0.
+// Eq. (M4), in which the least of the pixel before is 0.
 template <uint8_t kSmallStep>
 HWY_INLINE Bytes Step(Bytes cost, Bytes same, Bytes less, Bytes more, Bytes large_step) {
   const Bytes beside = Least(less, more) + kSmallStep;

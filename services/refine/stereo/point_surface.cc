@@ -97,7 +97,7 @@ PointSurface::Around PointSurface::AroundCell(cv::Point cell) const {
   return around;
 }
 
-// Eq. (R12), by iteratively reweighted least squares.
+// Eq. (M2), by iteratively reweighted least squares.
 PointSurface::Slope PointSurface::SlopeAt(const Seed& seed, const Around& around) const {
   Slope slope;
   for (const double wider : {StereoRules::kFirstScale, 1.0, 1.0}) {
@@ -169,7 +169,7 @@ double PointSurface::OffPx(cv::Point cell, double disparity_px) const {
   return off_px;
 }
 
-// Eq. (R11).
+// Eq. (M1).
 double PointSurface::SigmaPx(cv::Point cell) const {
   if (seeds_.empty()) return kInfinite;
   if (own_(cell) != kNone) return SeedOf(own_(cell)).sigma_px;
@@ -195,7 +195,7 @@ double PointSurface::SigmaPx(cv::Point cell) const {
     plane.Add(weight, off.x, off.y, SeedOf(index).disparity());
   });
   if (sectors == 0) return kInfinite;
-  // The variance grows beyond the outermost points, see (R11).
+  // The variance grows beyond the outermost points, see (M1).
   double variance = noise / weights + Square(StereoRules::kUnseenPerPx) * nearest_px2;
   const double beyond = Square(StereoRules::kBeyondPerPx) * nearest_px2;
   if (sectors < 3) return std::sqrt(variance + beyond);

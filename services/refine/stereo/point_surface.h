@@ -36,7 +36,7 @@ struct CellGrid {
 };
 
 /// How well the points of a range sensor explain what lies between them: the standard deviation of
-/// an interpolation at the centres of square cells of the left image, eqs. (R11) and (R12) of the
+/// an interpolation at the centres of square cells of the left image, eqs. (M1) and (M2) of the
 /// README. It follows from how far the points around are, and from whether their planes agree.
 class PointSurface {
  public:

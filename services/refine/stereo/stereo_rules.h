@@ -53,7 +53,7 @@ struct StereoRules {
   /// A match is surer from kSharedSigmaPx on, but hardly so below. Measured (NOTES.md).
   static constexpr double kAskedSigmaPx = 0.3;
 
-  // How sure an interpolation between ToF points is, eqs. (R11) and (R12).
+  // How sure an interpolation between ToF points is, eqs. (M1) and (M2).
   /// What may lie unseen between them, px of disparity a px of distance. What the truth of KITTI's
   /// frames does between points that far above and below (NOTES.md).
   static constexpr double kUnseenPerPx = 0.025;
@@ -79,7 +79,7 @@ struct StereoRules {
   /// Fewest pixels of a connected patch of disparities. By trial: smaller patches are mostly wrong.
   static constexpr int kSmallestPatch = 50;
 
-  // The data term, eq. (R15), in census bits of the 5×5 window.
+  // The data term, eq. (M5), in census bits of the 5×5 window.
   static constexpr int kCensusRadius = 2;
   static constexpr int kBits = 24;
   /// Cost of a difference of half a grey level a px between the slopes of a pixel and its match,
@@ -110,7 +110,7 @@ struct StereoRules {
   static constexpr int kConfirmedPx = 1;
 
   // Bounds that follow, for numbers of 8 and 16 bits.
-  /// Most that a path costs, less its minimum so far; eq. (R14).
+  /// Most that a path costs, less its minimum so far; eq. (M4).
   static constexpr int kMaxPath = kMaxCost + kLargeStep;
   static constexpr int kMaxPathSums = 8 * kMaxPath;
 };

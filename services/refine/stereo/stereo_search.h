@@ -53,7 +53,7 @@ class SearchRows {
   std::vector<size_t> begin_;  // index of the rows' first pixels, and the end of the last
 };
 
-/// The data term C(p, d) of semi-global matching, eq. (R15): the Hamming distance of the census
+/// The data term C(p, d) of semi-global matching, eq. (M5): the Hamming distance of the census
 /// transforms (5×5, 24 bits) of a left pixel and its match, and how much their slopes of grey
 /// differ. Keeps its memory: a byte a label, and 10 a pixel of the image.
 class MatchCosts {
@@ -76,7 +76,7 @@ class MatchCosts {
 };
 
 /// Four of the eight directions of semi-global matching: for each label of a pixel the costs of the
-/// cheapest paths that end there (eq. (R14) of the README), added up. The paths come from the
+/// cheapest paths that end there (eq. (M4) of the README), added up. The paths come from the
 /// previous pixel and from the three nearest pixels of the previous row.
 /// @param step  1: rows from the first to the last one, and the pixels in them; −1: the other way.
 /// @param costs  of the data term, MatchCosts.

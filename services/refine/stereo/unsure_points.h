@@ -20,7 +20,7 @@ class UnsurePoints {
   static bool Is(const Seed& point, const RangeNoise& noise);
 
   /// Drops unsure points where an interpolation between the others and stereo's seeds is surer than
-  /// they, eq. (R11) of the README.
+  /// they, eq. (M1) of the README.
   /// @returns how many. O(points + cells); nothing is done if no point is unsure.
   int Drop(const CellGrid& grid, const RangeNoise& noise, std::span<const Seed> stereo,
            std::vector<Seed>& points);

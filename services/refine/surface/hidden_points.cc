@@ -118,7 +118,7 @@ class TofSurface::HiddenTest {
                                 std::abs(off.x) * piece.unseen.x + std::abs(off.y) * piece.unseen.y;
     if (behind_px <= tolerance_px) return false;
     const double distance = std::sqrt(across * across + down * down);
-    const double beside = 1 + Rules::kHalves * distance / std::max(rule_.core, Rules::kMinCore);
+    const double beside = 1 + Rules::kHalfAtCore * distance / std::max(rule_.core, Rules::kMinCore);
     const double odds = std::sqrt(behind_px / tolerance_px) / (beside * beside);
     // The piece at this pixel: what it would be in the other image.
     const double u = is_left ? seed.u : seed.u_right + piece_px;

@@ -30,7 +30,7 @@ struct SurfaceRules {
   /// 2/3: both have the point itself.
   static constexpr double kNoiseQuantile = 0.522;
   /// What neighbours along an axis differ by for the shape of the scene, px a px that they are
-  /// farther apart than along the other axis: κ of (R11).
+  /// farther apart than along the other axis: κ of (M1) of ../stereo.
   static constexpr double kShapePerPx = 0.025;
   /// Variance of a point less the mean of two others, for points of σ = 1: 1 + 2 / 4.
   static constexpr double kNoiseVariance = 1.5;
@@ -140,7 +140,7 @@ struct SurfaceRules {
   /// right camera sees next to nothing.
   static constexpr double kMinSeen = 0.2;
   /// √2 − 1: 1 / (1 + that)² is a half.
-  static constexpr double kHalves = 0.41421356;
+  static constexpr double kHalfAtCore = 0.41421356;
   static constexpr double kMinCore = 0.01;  ///< spacings; of a smaller core the images decide all
   /// Difference of two windows of one surface: Σ(a − b)² / Σ(a² + b²) for noise of 1.4 grey levels
   /// at a mean of 100. Smaller differences say nothing.

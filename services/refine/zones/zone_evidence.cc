@@ -168,7 +168,7 @@ Result<void> ZoneEvidence::Set(const TofZones& zones, const RectifiedPair& pair,
   return {};
 }
 
-// Eq. (R19), by iteratively reweighted least squares.
+// Eq. (Z2), by iteratively reweighted least squares.
 ZoneEvidence::Plane ZoneEvidence::PlaneOf(const TofZones& zones, int column, int row) const {
   const auto patch_of = [&](int u, int v) -> const Patch& {
     return patches_[static_cast<size_t>(v * zones.columns + u)];
@@ -204,7 +204,7 @@ ZoneEvidence::Plane ZoneEvidence::PlaneOf(const TofZones& zones, int column, int
   return plane;
 }
 
-// Eq. (R20).
+// Eq. (Z3).
 std::optional<ZoneSurface> ZoneEvidence::SurfaceAt(cv::Point cell) const {
   if (patches_.empty() || zone_(cell) == kNone) return {};
   const auto zone = static_cast<size_t>(zone_(cell));
@@ -219,7 +219,7 @@ std::optional<ZoneSurface> ZoneEvidence::SurfaceAt(cv::Point cell) const {
   return surface;
 }
 
-bool IsNews(const ZoneSurface& surface, const PointSurface& seeds, cv::Point cell) {
+bool AddsInformation(const ZoneSurface& surface, const PointSurface& seeds, cv::Point cell) {
   return ZoneRules::kSurer * surface.sigma_px <= seeds.SigmaPx(cell) &&
          seeds.OffPx(cell, surface.disparity_px) > ZoneRules::kSigmas * surface.sigma_px;
 }

@@ -52,11 +52,11 @@ class ZoneEvidence {
   Result<void> Set(const TofZones& zones, const RectifiedPair& pair, const CellGrid& grid);
 
   /// For each cell that a zone with a target looks at, the largest disparity that the targets
-  /// within reach allow (eq. (R18) of the README); infinite elsewhere. Empty without zones.
+  /// within reach allow (eq. (Z1) of the README); infinite elsewhere. Empty without zones.
   const cv::Mat1f& most_px() const { return most_px_; }
 
   /// The plane through the zone that looks at the cell and the zones around, at the cell's centre
-  /// (eqs. (R19) and (R20)); nothing where no zone looks, or one with several targets, a doubtful
+  /// (eqs. (Z2) and (Z3)); nothing where no zone looks, or one with several targets, a doubtful
   /// one, or MODE_NEAREST. O(1); thread-safe.
   std::optional<ZoneSurface> SurfaceAt(cv::Point cell) const;
 
@@ -93,6 +93,6 @@ class ZoneEvidence {
 /// Whether a zone's surface says of a cell what the seeds around do not: it is kSurer times surer
 /// than they are, and kSigmas off all of their planes.
 /// @param seeds  all that are known there. O(1); thread-safe.
-bool IsNews(const ZoneSurface& surface, const PointSurface& seeds, cv::Point cell);
+bool AddsInformation(const ZoneSurface& surface, const PointSurface& seeds, cv::Point cell);
 
 }  // namespace sprout::refine

@@ -277,7 +277,7 @@ TEST(Refiner, BelievesNoPointOfASensorThatGivesNoise) {
   config.set_range_bias(RefineConfig::OFF);  // which may contradict them before
   Refiner refiner(config);
   const auto seeds = refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig));
-  EXPECT_TRUE(refiner.are_noise());
+  EXPECT_TRUE(refiner.found().are_noise);
   EXPECT_GT(seeds->loose, 30);
   EXPECT_TRUE(refiner.left_seeds().seeds.empty());
   EXPECT_EQ(seeds->seeds, blind->seeds);
@@ -286,14 +286,14 @@ TEST(Refiner, BelievesNoPointOfASensorThatGivesNoise) {
     for (int i = 0; i < 7; ++i) scene.SetDisparity(i, j, 12);
   }
   refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig));
-  EXPECT_FALSE(refiner.are_noise());
+  EXPECT_FALSE(refiner.found().are_noise);
 }
 
 TEST(Refiner, BelievesNoPointOfADisplacedSensor) {
   BoxScene scene(25);
   Refiner refiner{RefineConfig()};
   const auto seeds = refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig));
-  const SensorPlace& place = refiner.sensor_place();
+  const SensorPlace& place = refiner.found().sensor_place;
   EXPECT_TRUE(place.is_displaced);
   EXPECT_NEAR(place.move_px.x, -25, 8);
   EXPECT_NEAR(place.move_px.y, 0, 8);
@@ -305,16 +305,16 @@ TEST(Refiner, BelievesNoPointOfADisplacedSensor) {
   // The next frame is judged by itself.
   const BoxScene right;
   ASSERT_TRUE(refiner.Compute(right.left, right.right, right.tof, TofProjector(right.rig)));
-  EXPECT_FALSE(refiner.sensor_place().is_displaced);
-  EXPECT_FALSE(refiner.range_error().rejected);
+  EXPECT_FALSE(refiner.found().sensor_place.is_displaced);
+  EXPECT_FALSE(refiner.found().range_error.rejected);
 }
 
 TEST(Refiner, BelievesNoPointOfASensorWithAnotherLens) {
   BoxScene scene(0, 1.25);
   Refiner refiner{RefineConfig()};
   ASSERT_TRUE(refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig)));
-  EXPECT_TRUE(refiner.sensor_place().is_displaced);
-  EXPECT_NEAR(refiner.sensor_place().spread, 1.25, 0.04);
+  EXPECT_TRUE(refiner.found().sensor_place.is_displaced);
+  EXPECT_NEAR(refiner.found().sensor_place.spread, 1.25, 0.04);
   EXPECT_TRUE(refiner.left_seeds().seeds.empty());
 }
 
@@ -326,7 +326,7 @@ TEST(Refiner, BelievesNoRangesThatWrap) {
   }
   Refiner refiner{RefineConfig()};
   const auto seeds = refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig));
-  EXPECT_NEAR(refiner.contradiction().share, 28 * 30 / 4800.0, 0.05);
+  EXPECT_NEAR(refiner.found().contradiction.share, 28 * 30 / 4800.0, 0.05);
   EXPECT_GT(CountTofSeeds(seeds->seeds), 3000);
   for (const SeedSet* set : {&*seeds, &refiner.left_seeds()}) {
     for (const Seed& seed : set->seeds) ASSERT_LT(seed.disparity(), 22) << seed.u << " " << seed.v;

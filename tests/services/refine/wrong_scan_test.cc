@@ -28,8 +28,8 @@ TEST(WrongScan, IsNotBelieved) {
   BoxScene wrong = ScatteredScene(60);
   Refiner refiner{RefineConfig()};
   const auto seeds = refiner.Compute(wrong.left, wrong.right, wrong.tof, TofProjector(wrong.rig));
-  EXPECT_TRUE(refiner.range_error().rejected);
-  EXPECT_NEAR(refiner.contradiction().share, 0.17, 0.05);
+  EXPECT_TRUE(refiner.found().range_error.rejected);
+  EXPECT_NEAR(refiner.found().contradiction.share, 0.17, 0.05);
   EXPECT_EQ(seeds->contradicted, seeds->raw - seeds->outside);
   EXPECT_TRUE(refiner.left_seeds().seeds.empty());
   wrong.tof = {};
@@ -41,7 +41,7 @@ TEST(WrongScan, IsNoRightOne) {
   const BoxScene right = ScatteredScene(0);
   Refiner refiner{RefineConfig()};
   const auto seeds = refiner.Compute(right.left, right.right, right.tof, TofProjector(right.rig));
-  EXPECT_FALSE(refiner.range_error().rejected);
+  EXPECT_FALSE(refiner.found().range_error.rejected);
   EXPECT_GT(CountTofSeeds(seeds->seeds), 500);
 }
 
@@ -60,8 +60,8 @@ RangeError ErrorBesideRight(const std::function<cv::Point(const cv::Point&)>& fr
   const auto seeds =
       refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig)).value();
   EXPECT_GT(CountTofSeeds(seeds.seeds), 400);
-  EXPECT_FALSE(refiner.range_error().rejected);
-  return refiner.range_error();
+  EXPECT_FALSE(refiner.found().range_error.rejected);
+  return refiner.found().range_error;
 }
 
 TEST(WrongScan, IsNoRightOneBesideAPairThatIsTurned) {

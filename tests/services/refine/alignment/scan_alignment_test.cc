@@ -179,14 +179,14 @@ TEST(Refiner, MovesAScanThatIsOff) {
   };
   Refiner refiner(config);
   const SeedSet moved = seeds_of(refiner);
-  EXPECT_TRUE(refiner.scan_move().is_off);
-  EXPECT_FALSE(refiner.tof_offset().sure);
-  const double du_px = refiner.scan_move().du_px;
+  EXPECT_TRUE(refiner.found().scan_move.is_off);
+  EXPECT_FALSE(refiner.found().tof_offset.sure);
+  const double du_px = refiner.found().scan_move.du_px;
   EXPECT_NEAR(du_px, -5, 1);
   config.set_align_tof(false);
   Refiner plain(config);
   const SeedSet as_is = seeds_of(plain);
-  EXPECT_FALSE(plain.scan_move().is_off);
+  EXPECT_FALSE(plain.found().scan_move.is_off);
   const auto at = [](const SeedSet& seeds, int u, int v) {
     for (const Seed& seed : seeds.seeds) {
       if (seed.tof_u == u && seed.tof_v == v) return double{seed.u};
@@ -212,8 +212,8 @@ TEST(Refiner, TakesAMoveBackBesideAPairThatDoesNotFit) {
   const auto seeds_of = [&](Refiner refiner) {
     const auto seeds =
         refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig)).value();
-    EXPECT_TRUE(refiner.range_error().pair_unfit);
-    EXPECT_FALSE(refiner.scan_move().is_off);
+    EXPECT_TRUE(refiner.found().range_error.pair_unfit);
+    EXPECT_FALSE(refiner.found().scan_move.is_off);
     return seeds.seeds;
   };
   RefineConfig config;

@@ -190,10 +190,10 @@ TEST(Refiner, MovesThePointsOfATofCameraThatIsOff) {
     };
     const SeedSet without = compute(plain);
     const SeedSet seeds = compute(refiner);
-    EXPECT_EQ(plain.tof_offset(), TofOffset());
-    EXPECT_TRUE(refiner.tof_offset().sure);
+    EXPECT_EQ(plain.found().tof_offset, TofOffset());
+    EXPECT_TRUE(refiner.found().tof_offset.sure);
     if (error_px == 0) {
-      EXPECT_FALSE(refiner.tof_offset().IsOff());
+      EXPECT_FALSE(refiner.found().tof_offset.IsOff());
       EXPECT_EQ(seeds, without);
     } else {
       EXPECT_NEAR(MeanDistance(without, seeds), error_px, 0.5);
@@ -209,8 +209,8 @@ TEST(Refiner, MovesNoPointsByImagesThatDoNotFitEachOther) {
   Refiner refiner{RefineConfig()};
   const SeedSet seeds =
       refiner.Compute(scene.left, scene.right, scene.tof, scene.projector).value();
-  EXPECT_TRUE(refiner.range_error().pair_unfit);
-  EXPECT_FALSE(refiner.tof_offset().IsOff());
+  EXPECT_TRUE(refiner.found().range_error.pair_unfit);
+  EXPECT_FALSE(refiner.found().tof_offset.IsOff());
   EXPECT_EQ(std::ranges::count(seeds.seeds, SeedOrigin::kStereo, &Seed::origin), 0);
   RefineConfig config;
   config.set_align_tof(false);

@@ -54,7 +54,7 @@ TEST(RangeBias, SaysItsCurveInMetres) {
   RefineConfig config;
   Refiner refiner(config);
   ASSERT_TRUE(refiner.Compute(wall.left, wall.right, wall.tof, TofProjector(wall.rig)));
-  const RangeError& error = refiner.range_error();
+  const RangeError& error = refiner.found().range_error;
   EXPECT_FALSE(error.curve_is_zero);
   ASSERT_GE(error.curve.size(), 3U);
   for (const RangeKnot& knot : error.curve) {
@@ -131,8 +131,8 @@ TEST(RangeBias, SaysWhichShareOfThePointsWasMovedFar) {
   ASSERT_TRUE(refiner.Compute(wall.left, wall.right, wall.tof, TofProjector(wall.rig)));
   // The bump is more than 0.25 px within 2.23 of its standard deviations of 40 px.
   const double true_share = CV_PI * 2.23 * 40 * 2.23 * 40 / kWallSize.area();
-  EXPECT_NEAR(refiner.range_error().far_moved_share, true_share, 0.05);
-  EXPECT_NEAR(refiner.range_error().far_from_curve_share, true_share, 0.05);
+  EXPECT_NEAR(refiner.found().range_error.far_moved_share, true_share, 0.05);
+  EXPECT_NEAR(refiner.found().range_error.far_from_curve_share, true_share, 0.05);
 }
 
 // A match may be surer than a point that is noisy; but for a sensor that is right that costs more
@@ -202,7 +202,7 @@ TEST(RangeBias, BelievesASensorThatTheImagesContradictNoMoreThanEachOther) {
     RefineConfig config;
     Refiner refiner(config);
     const auto set = refiner.Compute(unfit->left, unfit->right, unfit->tof, TofProjector(wall.rig));
-    EXPECT_TRUE(refiner.range_error().pair_unfit);
+    EXPECT_TRUE(refiner.found().range_error.pair_unfit);
     EXPECT_EQ(set->contradicted, 0);
     EXPECT_GT(set->seeds.size(), 4000U);
     EXPECT_GT(ShareWithin(*set, 0.4), 0.97);
@@ -221,9 +221,9 @@ TEST(RangeBias, MovesAllPointsAlikeBesideAPairThatIsTurned) {
     config.set_stereo_seeds(false);
     Refiner refiner(config);
     const auto set = refiner.Compute(wall.left, wall.right, wall.tof, TofProjector(wall.rig));
-    EXPECT_TRUE(refiner.range_error().rows_unfit);
+    EXPECT_TRUE(refiner.found().range_error.rows_unfit);
     EXPECT_EQ(set->contradicted, 0);
-    EXPECT_EQ(refiner.range_error().curve_is_zero, error_m == 0);
+    EXPECT_EQ(refiner.found().range_error.curve_is_zero, error_m == 0);
     EXPECT_GT(ShareWithin(*set, 0.8), 0.97);
   }
 }
@@ -235,8 +235,8 @@ TEST(RangeBias, SaysThatAllPointsAreOffByTheSamePx) {
     wall.Measure([&](const cv::Point2d&, double depth_m) { return measured(depth_m); });
     Refiner refiner{RefineConfig()};
     EXPECT_TRUE(refiner.Compute(wall.left, wall.right, wall.tof, TofProjector(wall.rig)));
-    EXPECT_FALSE(refiner.range_error().curve_is_zero);
-    return refiner.range_error().same_px;
+    EXPECT_FALSE(refiner.found().range_error.curve_is_zero);
+    return refiner.found().range_error.same_px;
   };
   const RectifiedPair pair = Wall().rig.pair;
   EXPECT_NEAR(same_px([&](double depth_m) {
@@ -258,9 +258,10 @@ TEST(RangeBias, BelievesNoPointIfRangesAreFartherOffThanASensorCanBe) {
     config.set_range_bias(bias);
     Refiner refiner(config);
     const SeedSet set = *refiner.Compute(wall.left, wall.right, wall.tof, TofProjector(wall.rig));
-    ASSERT_TRUE(refiner.range_error().absurd);
-    EXPECT_NEAR(refiner.range_error().absurd->error_m / refiner.range_error().absurd->depth_m,
-                1 - 1 / 1.3, 0.06);
+    ASSERT_TRUE(refiner.found().range_error.absurd);
+    EXPECT_NEAR(
+        refiner.found().range_error.absurd->error_m / refiner.found().range_error.absurd->depth_m,
+        1 - 1 / 1.3, 0.06);
     EXPECT_EQ(set.contradicted, set.raw - set.outside);
   }
 }

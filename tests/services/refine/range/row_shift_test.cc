@@ -30,7 +30,7 @@ TEST(RowShift, BelievesASensorBesideRowsThatAreShifted) {
     cv::remap(wall.right.clone(), wall.right, columns, rows, cv::INTER_LINEAR, cv::BORDER_REFLECT);
     Refiner refiner{RefineConfig()};
     const auto set = refiner.Compute(wall.left, wall.right, wall.tof, TofProjector(wall.rig));
-    EXPECT_TRUE(refiner.range_error().rows_shifted);
+    EXPECT_TRUE(refiner.found().range_error.rows_shifted);
     EXPECT_EQ(set->contradicted, 0);
     EXPECT_GT(set->seeds.size(), 4000U);
     EXPECT_GT(ShareWithin(*set, 0.4), 0.97);
@@ -45,7 +45,7 @@ TEST(RowShift, MovesPointsThatAreTooFarInTheLowerRows) {
   });
   Refiner refiner{RefineConfig()};
   const auto set = refiner.Compute(wall.left, wall.right, wall.tof, TofProjector(wall.rig));
-  EXPECT_FALSE(refiner.range_error().pair_unfit);
+  EXPECT_FALSE(refiner.found().range_error.pair_unfit);
   EXPECT_GT(ShareWithin(*set, 0.4), 0.8);
 }
 

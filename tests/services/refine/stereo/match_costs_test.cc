@@ -22,7 +22,7 @@ int Grey(const cv::Mat1b& image, int u, int v) {
   return image(std::clamp(v, 0, image.rows - 1), std::clamp(u, 0, image.cols - 1));
 }
 
-// Eq. (R15), pixel by pixel.
+// Eq. (M5), pixel by pixel.
 int DataTerm(const cv::Mat1b& left, const cv::Mat1b& right, cv::Point p, int d) {
   int differing = 0;
   for (int y = -2; y <= 2; ++y) {

@@ -53,8 +53,8 @@ TEST(FattenedEdges, AreNotBelievedOfImagesThatFitNothing) {
   Refiner refiner{RefineConfig()};
   const auto set = refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig));
   ASSERT_TRUE(set);
-  EXPECT_TRUE(refiner.range_error().pair_unfit);
-  EXPECT_FALSE(refiner.fattening());
+  EXPECT_TRUE(refiner.found().range_error.pair_unfit);
+  EXPECT_FALSE(refiner.found().fattening);
   EXPECT_EQ(set->contradicted, 0);
 }
 

@@ -142,12 +142,12 @@ std::vector<Seed> SeedsAround(float sigma_px) {
   return seeds;
 }
 
-TEST(ZoneEvidence, IsNewsWhereSurerSeedsDoNotSayTheSame) {
+TEST(ZoneEvidence, AddsInformationWhereSurerSeedsDoNotSayTheSame) {
   const auto is_news = [](double disparity_px, double sigma_px, float seed_sigma_px) {
     const std::vector<Seed> seeds = SeedsAround(seed_sigma_px);
     PointSurface surface;
     surface.Set(seeds, Grid());
-    return IsNews({disparity_px, sigma_px}, surface, {10, 8});
+    return AddsInformation({disparity_px, sigma_px}, surface, {10, 8});
   };
   EXPECT_TRUE(is_news(6.1, 1, 5)) << "3 σ off, and 4 times as sure";
   EXPECT_FALSE(is_news(5.9, 1, 5)) << "agrees with the seeds";
@@ -155,7 +155,7 @@ TEST(ZoneEvidence, IsNewsWhereSurerSeedsDoNotSayTheSame) {
   EXPECT_FALSE(is_news(6.1, 1, 3.5F)) << "the seeds are nearly as sure";
   PointSurface none;
   none.Set({}, Grid());
-  EXPECT_TRUE(IsNews({3, 100}, none, {10, 8})) << "nothing else is known";
+  EXPECT_TRUE(AddsInformation({3, 100}, none, {10, 8})) << "nothing else is known";
 }
 
 TEST(ZoneEvidence, FillsNoZoneOfSeveralOrDoubtfulTargets) {

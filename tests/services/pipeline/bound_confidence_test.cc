@@ -1,4 +1,4 @@
-#include "services/pipeline/files/doubt.h"
+#include "services/pipeline/files/bound_confidence.h"
 
 #include <gmock/gmock.h>
 
