@@ -95,36 +95,122 @@ void Publish(const Arrival& arrival, const Answer& answer, Publisher& publisher,
   monitor.FrameOut(arrival.frame.id, arrival.when, answer.degenerate, answer.tof_coverage);
 }
 
-// An answer of a later stage, which only says how far a frame is. What cannot be read is counted by
-// those who use it.
-void OnLaterAnswer(Part part, std::span<const uint8_t> bytes, FramesUnderWay& under_way) {
-  if (TypeOf(bytes) != TypeOf(part)) return;
-  const Result<FrameId> id = DecodeFrameId(bytes);
-  if (id) part == kLastAnswer ? under_way.Answered(*id) : under_way.Passed(*id);
-}
-
-// What came while this process was stopped is old, and the kernel keeps its beginning alone where
-// it is more than fits: waits for a frame that came after it, or, if none does, takes the newest.
-void TakeNewest(Arrival& arrival, Mailbox<Arrival>& mailbox, Receiver& receiver,
-                StageMonitor& monitor, const std::stop_token& stop) {
-  constexpr std::chrono::milliseconds kPatience{250};
-  bool is_behind = receiver.IsBehind();
-  auto until = StageMonitor::Clock::now();
-  while (!stop.stop_requested() && (is_behind || StageMonitor::Clock::now() < until)) {
-    if (is_behind) until = StageMonitor::Clock::now() + kPatience;
-    if (auto newer = mailbox.TakeWithin(std::chrono::milliseconds(1), stop)) {
-      arrival = *std::move(newer);
-      monitor.FrameSkipped();
-      if (!is_behind) return;
-    }
-    is_behind = receiver.IsBehind();
+// What a stage hears: its inputs, joined to frames, the statuses of all stages, and, if it is the
+// first stage, how far the later ones are. Messages come on the receiver's thread, frames go out on
+// the stage's own.
+class LiveInput {
+ public:
+  LiveInput(const ServiceContext& context, const StageAdapter& adapter, size_t steps,
+            StageMonitor& monitor)
+      : is_first_(context.stage == kFirstStage),
+        monitor_(monitor),
+        assembler_(adapter.Inputs(), monitor, FrameJoiner::kDefaultMaxPending,
+                   adapter.OptionalInputs()),
+        takes_calibration_(std::ranges::count(assembler_.channels(), ChannelOf(Part::kRig)) > 0),
+        duplicates_(monitor),
+        silence_(context, assembler_.channels(), monitor),
+        preparation_(std::max<size_t>(1, steps)) {
+    receiver_.emplace(
+        context.lcm_url, context.prefix, Channels(),
+        [this](std::string_view channel, std::span<const uint8_t> bytes) { Hear(channel, bytes); },
+        [this](std::string_view channel) { monitor_.MessageDropped(channel); });
   }
-}
 
-void OnStatus(std::span<const uint8_t> bytes, StageMonitor& monitor, DuplicateWatch& duplicates) {
-  const Result<StageStatus> status = DecodeStatus(bytes);
-  status ? duplicates.Heard(*status) : monitor.BadMessage(kStatusChannel, status.error().text);
-}
+  // The next frame; nothing if there is none within a moment, or no room for one behind this stage.
+  std::optional<Arrival> Take(const std::stop_token& stop) {
+    if (!under_way_.WaitForRoom(Watchdog::kIdlePeriod, stop)) return std::nullopt;
+    std::optional<Arrival> arrival = mailbox_.TakeWithin(preparation_.Period(), stop);
+    if (!arrival) {
+      preparation_.Continue();
+      return std::nullopt;
+    }
+    preparation_.FrameCame();
+    TakeNewest(*arrival, stop);
+    return arrival;
+  }
+
+  // This stage answered a frame of its own.
+  void Answered(const FrameId& id, StageMonitor::Clock::duration worked) {
+    if (is_first_) under_way_.Sent(id, worked);
+  }
+
+  // Hears nothing any more. What nobody takes is counted.
+  void Finish() {
+    receiver_.reset();
+    if (mailbox_.Clear()) monitor_.FrameSkipped();
+    for ([[maybe_unused]] const Frame& frame : assembler_.Finish()) {
+      monitor_.FrameIn(/*skipped=*/true);
+    }
+  }
+
+ private:
+  std::vector<std::string_view> Channels() const {
+    std::vector<std::string_view> channels = assembler_.channels();
+    channels.push_back(kStatusChannel);
+    if (!takes_calibration_) channels.push_back(ChannelOf(Part::kRig));
+    if (is_first_)
+      channels.insert(channels.end(), {ChannelOf(kNextAnswer), ChannelOf(kLastAnswer)});
+    return channels;
+  }
+
+  void Hear(std::string_view channel, std::span<const uint8_t> bytes) {
+    if (channel == kStatusChannel) return HearStatus(bytes);
+    for (const Part part : {kNextAnswer, kLastAnswer}) {
+      if (is_first_ && channel == ChannelOf(part)) return HearLaterAnswer(part, bytes);
+    }
+    if (channel == ChannelOf(Part::kRig)) {
+      preparation_.HeardCalibration(bytes);
+      if (!takes_calibration_) return;
+    }
+    silence_.Heard(channel);
+    for (Frame& frame : assembler_.Add(channel, bytes)) {
+      silence_.HeardFrame();
+      const auto now = StageMonitor::Clock::now();
+      monitor_.FrameIn(mailbox_.Put({std::move(frame), now}));
+    }
+  }
+
+  void HearStatus(std::span<const uint8_t> bytes) {
+    const Result<StageStatus> status = DecodeStatus(bytes);
+    status ? duplicates_.Heard(*status) : monitor_.BadMessage(kStatusChannel, status.error().text);
+  }
+
+  // An answer of a later stage, which only says how far a frame is. What cannot be read is counted
+  // by those who use it.
+  void HearLaterAnswer(Part part, std::span<const uint8_t> bytes) {
+    if (TypeOf(bytes) != TypeOf(part)) return;
+    const Result<FrameId> id = DecodeFrameId(bytes);
+    if (id) part == kLastAnswer ? under_way_.Answered(*id) : under_way_.Passed(*id);
+  }
+
+  // What came while this process was stopped is old, and the kernel keeps its beginning alone where
+  // it is more than fits: waits for a frame that came after it, or, if none does, takes the newest.
+  void TakeNewest(Arrival& arrival, const std::stop_token& stop) {
+    constexpr std::chrono::milliseconds kPatience{250};
+    bool is_behind = receiver_->IsBehind();
+    auto until = StageMonitor::Clock::now();
+    while (!stop.stop_requested() && (is_behind || StageMonitor::Clock::now() < until)) {
+      if (is_behind) until = StageMonitor::Clock::now() + kPatience;
+      if (auto newer = mailbox_.TakeWithin(std::chrono::milliseconds(1), stop)) {
+        arrival = *std::move(newer);
+        monitor_.FrameSkipped();
+        if (!is_behind) return;
+      }
+      is_behind = receiver_->IsBehind();
+    }
+  }
+
+  bool is_first_;
+  StageMonitor& monitor_;
+  FrameAssembler assembler_;
+  bool takes_calibration_;  // as an input
+  DuplicateWatch duplicates_;
+  SilenceWatch silence_;
+  Mailbox<Arrival> mailbox_;
+  FramesUnderWay under_way_;
+  Preparation preparation_;
+  std::optional<Receiver> receiver_;  // last: it calls Hear()
+};
 
 // What went wrong is named only where something did.
 std::string CountsText(const StageStatus& status) {
@@ -148,43 +234,9 @@ void RunLive(const ServiceContext& context, StageAdapter& adapter, std::span<Sta
   const DisparityEncoding encoding = EncodingOf(context.config.bus());
   StageMonitor monitor(context.stage, Digest(ConfigText(context.config)));
   monitor.SetVersion(context.version);
-  FrameAssembler assembler(adapter.Inputs(), monitor, FrameJoiner::kDefaultMaxPending,
-                           adapter.OptionalInputs());
-  Mailbox<Arrival> mailbox;
   Publisher publisher(context.lcm_url, context.prefix);
-  DuplicateWatch duplicates(monitor);
-  SilenceWatch silence(context, assembler.channels(), monitor);
-  std::vector<std::string_view> channels = assembler.channels();
-  channels.push_back(kStatusChannel);
-  const std::string_view calibration = ChannelOf(Part::kRig);
-  const bool is_input = std::ranges::count(channels, calibration) > 0;
-  if (!is_input) channels.push_back(calibration);
-  const bool is_first = context.stage == kFirstStage;
-  if (is_first) {
-    channels.push_back(ChannelOf(kNextAnswer));
-    channels.push_back(ChannelOf(kLastAnswer));
-  }
-  FramesUnderWay under_way;
-  Preparation preparation(std::max<size_t>(1, steps.size()));
-  std::optional<Receiver> receiver;
-  receiver.emplace(
-      context.lcm_url, context.prefix, channels,
-      [&](std::string_view channel, std::span<const uint8_t> bytes) {
-        if (channel == kStatusChannel) return OnStatus(bytes, monitor, duplicates);
-        for (const Part part : {kNextAnswer, kLastAnswer}) {
-          if (is_first && channel == ChannelOf(part)) return OnLaterAnswer(part, bytes, under_way);
-        }
-        if (channel == calibration) preparation.HeardCalibration(bytes);
-        if (channel == calibration && !is_input) return;
-        silence.Heard(channel);
-        for (Frame& frame : assembler.Add(channel, bytes)) {
-          silence.HeardFrame();
-          const auto now = StageMonitor::Clock::now();
-          monitor.FrameIn(mailbox.Put({std::move(frame), now}));
-        }
-      },
-      [&](std::string_view channel) { monitor.MessageDropped(channel); });
-  // Behind the receiver: whoever waits for a status may send at once.
+  LiveInput input(context, adapter, steps.size(), monitor);
+  // Behind the input: whoever waits for a status may send at once.
   const StatusReporter reporter(context, monitor);
   std::list<StatusReporter> step_reporters;
   for (StageMonitor& step : steps) step_reporters.emplace_back(context, step);
@@ -192,28 +244,20 @@ void RunLive(const ServiceContext& context, StageAdapter& adapter, std::span<Sta
   Watchdog watchdog;
   while (!context.stop.stop_requested()) {
     watchdog.Idle();
-    if (!under_way.WaitForRoom(Watchdog::kIdlePeriod, context.stop)) continue;
-    auto arrival = mailbox.TakeWithin(preparation.Period(), context.stop);
-    if (arrival) TakeNewest(*arrival, mailbox, *receiver, monitor, context.stop);
+    const std::optional<Arrival> arrival = input.Take(context.stop);
     watchdog.Idle();
-    if (!arrival) {
-      preparation.Continue();
-      continue;
-    }
-    preparation.FrameCame();
+    if (!arrival) continue;
+    const FrameId& id = arrival->frame.id;
     const auto begun = StageMonitor::Clock::now();
     const std::chrono::duration<double, std::milli> waited = begun - arrival->when;
-    LogLine(LogLevel::kDebug, "frame {}: waited {:.1f} ms", arrival->frame.id.seq, waited.count());
-    const std::optional<Answer> answer = MakeAnswer(arrival->frame, adapter, encoding, monitor);
-    if (is_first && answer) {
-      under_way.Sent(arrival->frame.id, StageMonitor::Clock::now() - begun);
+    LogLine(LogLevel::kDebug, "frame {}: waited {:.1f} ms", id.seq, waited.count());
+    if (const auto answer = MakeAnswer(arrival->frame, adapter, encoding, monitor)) {
+      input.Answered(id, StageMonitor::Clock::now() - begun);
+      Publish(*arrival, *answer, publisher, monitor);
     }
-    if (answer) Publish(*arrival, *answer, publisher, monitor);
     watchdog.FrameDone();
   }
-  receiver.reset();
-  if (mailbox.Clear()) monitor.FrameSkipped();
-  for ([[maybe_unused]] const Frame& frame : assembler.Finish()) monitor.FrameIn(/*skipped=*/true);
+  input.Finish();
   LogLine(LogLevel::kInfo, CountsText(monitor.Snapshot()));
 }
 
