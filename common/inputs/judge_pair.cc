@@ -25,6 +25,7 @@ struct PairRules {
   /// Beyond it Sprout loses accuracy that can be measured (services/tools/calibrate/NOTES.md).
   static constexpr double kMaxRowsPx = 1;
   static constexpr double kMaxParallaxPx = 1;
+  static constexpr double kSureBent = 4;  ///< standard deviations
   /// Parallax that row errors may cause, as a share of the largest of them: (1) is a pitch's and a
   /// roll's first order only.
   static constexpr double kParallaxOfRows = 0.1;
@@ -197,6 +198,12 @@ Finding JudgeSides(const cv::Mat1b& left, const cv::Mat1b& right, const Rectifie
   return finding;
 }
 
+// Turned cameras, and lenses whose distortion is still in the images, bend the rows.
+bool RowsAreBent(const PairModel& model) {
+  return std::abs(model.bent_px.value) - PairRules::kSureBent * model.bent_px.sigma >
+         PairRules::kMaxRowsPx;
+}
+
 Finding JudgeRows(const PairModel& model) {
   Finding finding{
       .question = Question::kRows, .value = model.worst_px.value, .sigma = model.worst_px.sigma};
@@ -209,6 +216,14 @@ Finding JudgeRows(const PairModel& model) {
         "correct the rig with sprout-calibrate refine",
         model.middle_px.value, model.middle_px.sigma, finding.value,
         model.roll_rad * 180 / std::numbers::pi, PairRules::kMaxRowsPx);
+  } else if (RowsAreBent(model)) {
+    finding.verdict = Verdict::kBad;
+    finding.value = model.bent_px.value;
+    finding.sigma = model.bent_px.sigma;
+    finding.text = fmt::format(
+        "rows of the right image are bent against those of the left one, by up to {:+.2f} ± "
+        "{:.2f} px ({} are allowed): rectify the pair, with the distortion of its lenses",
+        finding.value, finding.sigma, PairRules::kMaxRowsPx);
   } else if (off + finding.sigma < PairRules::kMaxRowsPx) {
     finding.verdict = Verdict::kGood;
     finding.text = fmt::format("rows agree to {:+.2f} ± {:.2f} px", finding.value, finding.sigma);

@@ -22,27 +22,37 @@ struct ModelRules {
   static constexpr double kTukey = 4.685;
   static constexpr double kMinScaleSteps = 0.1;  ///< of residuals: what a position is good for
   static constexpr size_t kFewest = 12;          ///< matches that five numbers are fitted to
-  static constexpr int kColumns = 4;             ///< of cells
+  /// The same for (3), whose ends are free: of fewer, blurred pairs seem to be bent.
+  static constexpr size_t kFewestOfBent = 80;
+  static constexpr int kColumns = 4;  ///< of cells
   static constexpr int kRows = 3;
 };
 
-using Vector = Eigen::Matrix<double, 5, 1>;
-using Matrix = Eigen::Matrix<double, 5, 5>;
+using Vector = Eigen::Matrix<double, 6, 1>;
+using Matrix = Eigen::Matrix<double, 6, 6>;
 
-// Coefficients of a, b, c, e, g for a match; the last two 0 without parallax.
+enum class Form { kPlane, kParallax, kBent };  // (1), (2), (3)
+
+// Coefficients of a, b, c and of what else a form has for a match, 0 behind them.
 class Terms {
  public:
-  Terms(cv::Size size, double disparity_unit) : size_(size), unit_(disparity_unit) {}
+  Terms(Form form, cv::Size size, double disparity_unit = 1)
+      : form_(form), size_(size), unit_(disparity_unit) {}
 
   Vector At(double x_px, double y_px, double disparity_px) const {
     const double x = x_px / size_.width - 0.5;
     const double y = y_px / size_.height - 0.5;
-    const double d = disparity_px / unit_;
-    return {1, x, y, d, d * y};
+    if (form_ == Form::kBent) {
+      const double high = y * size_.height / size_.width;
+      return Vector{1, x, y, x * y, y * y, y * (x * x + high * high)};
+    }
+    const double d = form_ == Form::kParallax ? disparity_px / unit_ : 0;
+    return Vector{1, x, y, d, d * y, 0};
   }
   Vector Of(const Match& match) const { return At(match.left.x, match.left.y, match.disparity()); }
 
  private:
+  Form form_;
   cv::Size size_;
   double unit_;
 };
@@ -53,12 +63,11 @@ struct Fit {
   double scale = 0;  // of the residuals, px
 };
 
-// Weighted least squares with the first `count` terms.
-Fit Solve(const std::vector<Match>& matches, const Terms& terms, int count, const Vector& start,
+// Weighted least squares.
+Fit Solve(const std::vector<Match>& matches, const Terms& terms, const Vector& start,
           double least_scale) {
   Fit fit;
   fit.model = start;
-  fit.model.tail(5 - count).setZero();
   std::vector<double> residuals(matches.size());
   for (int iteration = 0; iteration < ModelRules::kIterations; ++iteration) {
     for (size_t i = 0; i < matches.size(); ++i) {
@@ -79,11 +88,9 @@ Fit Solve(const std::vector<Match>& matches, const Terms& terms, int count, cons
     }
     // A weak prior, so that terms that the matches do not fix stay 0.
     normal.diagonal().array() += 1e-6 * static_cast<double>(matches.size());
-    const auto solver = normal.topLeftCorner(count, count).ldlt();
-    fit.model.head(count) = solver.solve(right.head(count));
-    fit.covariance.setZero();
-    fit.covariance.topLeftCorner(count, count) =
-        fit.scale * fit.scale * solver.solve(Eigen::MatrixXd::Identity(count, count));
+    const auto solver = normal.ldlt();
+    fit.model = solver.solve(right);
+    fit.covariance = fit.scale * fit.scale * solver.solve(Matrix::Identity());
   }
   return fit;
 }
@@ -141,21 +148,22 @@ Vector BestSample(const std::vector<Match>& matches, const Terms& terms, double 
   return best;
 }
 
-void FindWorst(const Fit& fit, const Terms& terms, cv::Size size, PairModel& result) {
-  const auto at = [&](double x_px, double y_px) {
-    const Vector row = terms.At(x_px, y_px, 0);
-    return Estimate{row.dot(fit.model), std::sqrt(row.dot(fit.covariance * row))};
-  };
-  result.middle_px = at(size.width / 2.0, size.height / 2.0);
-  result.worst_px = result.middle_px;
+// Where a fit's rows are off.
+Estimate RowsAt(const Fit& fit, const Terms& terms, double x_px, double y_px) {
+  const Vector row = terms.At(x_px, y_px, 0);
+  return {row.dot(fit.model), std::sqrt(row.dot(fit.covariance * row))};
+}
+
+Estimate WorstRows(const Fit& fit, const Terms& terms, cv::Size size) {
+  Estimate worst;
   for (int row = 0; row < ModelRules::kRows; ++row) {
     for (int column = 0; column < ModelRules::kColumns; ++column) {
-      const Estimate cell = at(size.width * (column + 0.5) / ModelRules::kColumns,
-                               size.height * (row + 0.5) / ModelRules::kRows);
-      if (std::abs(cell.value) > std::abs(result.worst_px.value)) result.worst_px = cell;
+      const Estimate cell = RowsAt(fit, terms, size.width * (column + 0.5) / ModelRules::kColumns,
+                                   size.height * (row + 0.5) / ModelRules::kRows);
+      if (std::abs(cell.value) >= std::abs(worst.value)) worst = cell;
     }
   }
-  result.roll_rad = fit.model[1] / size.width;
+  return worst;
 }
 
 }  // namespace
@@ -170,28 +178,31 @@ PairModel FitPair(const Matches& matches, cv::Size size) {
   if (matches.matches.size() < ModelRules::kFewest) return result;
   std::vector<double> disparities;
   for (const Match& match : matches.matches) disparities.push_back(std::abs(match.disparity()));
-  const Terms terms(size, std::max(1.0, Median(disparities)));
-  const Vector start = BestSample(matches.matches, terms, tolerance, size);
+  const Terms plane(Form::kPlane, size);
+  const Vector start = BestSample(matches.matches, plane, tolerance, size);
+  // What near things do, and bent rows, may lead beyond the tolerance.
+  std::vector<Match> near_model;
   for (const Match& match : matches.matches) {
-    if (std::abs(match.rows() - terms.Of(match).dot(start)) > tolerance) continue;
-    result.inliers.push_back(match);
+    const double off = std::abs(match.rows() - plane.Of(match).dot(start));
+    if (off <= tolerance) result.inliers.push_back(match);
+    if (off <= 4 * tolerance) near_model.push_back(match);
   }
   if (result.inliers.size() < ModelRules::kFewest) return result;
   const double least_scale = ModelRules::kMinScaleSteps * matches.step_px;
-  FindWorst(Solve(result.inliers, terms, 3, start, least_scale), terms, size, result);
-
-  // What near things do may lead beyond the tolerance.
-  std::vector<Match> near_model;
-  for (const Match& match : matches.matches) {
-    if (std::abs(match.rows() - terms.Of(match).dot(start)) <= 4 * tolerance) {
-      near_model.push_back(match);
-    }
+  const Fit rows = Solve(result.inliers, plane, start, least_scale);
+  result.middle_px = RowsAt(rows, plane, size.width / 2.0, size.height / 2.0);
+  result.worst_px = WorstRows(rows, plane, size);
+  result.roll_rad = rows.model[1] / size.width;
+  if (near_model.size() >= ModelRules::kFewestOfBent) {
+    const Terms bent(Form::kBent, size);
+    result.bent_px = WorstRows(Solve(near_model, bent, start, least_scale), bent, size);
   }
-  const Fit fit = Solve(near_model, terms, 5, start, least_scale);
+  const Terms parallax(Form::kParallax, size, std::max(1.0, Median(disparities)));
+  const Fit fit = Solve(near_model, parallax, start, least_scale);
   double square = 0;
   double variance = 0;
   for (const Match& match : result.inliers) {
-    Vector row = terms.Of(match);
+    Vector row = parallax.Of(match);
     row.head<3>().setZero();
     square += std::pow(row.dot(fit.model), 2);
     variance += row.dot(fit.covariance * row);

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
-#include <cmath>
 #include <opencv2/imgproc.hpp>
 
 #include "tests/common/core/centred.h"
@@ -13,15 +12,6 @@ namespace sprout::inputs {
 namespace {
 
 using testing::HasSubstr;
-
-Parts Moved(const cv::Matx23d& motion) {
-  Parts parts = SceneOf();
-  cv::Mat1b moved;
-  cv::warpAffine(parts.right, moved, motion, parts.right.size(), cv::INTER_CUBIC,
-                 cv::BORDER_REFLECT);
-  parts.right = moved;
-  return parts;
-}
 
 Parts Scaled(double factor) {
   Parts parts = SceneOf();
@@ -167,26 +157,6 @@ TEST(CheckInputs, SaysThatPrincipalPointsDoNotFit) {
   Parts parts = SceneOf();
   parts.rig.pair.cx_right -= 40;  // nearer surfaces have more than 40 px of disparity
   ExpectBad(parts, Question::kSides, "principal points");
-}
-
-TEST(CheckInputs, MeasuresHowFarRowsAreOff) {
-  for (const double rows : {-14.0, -3.0, 2.0, 8.5}) {
-    const Finding finding = Moved({1, 0, 0, 0, 1, rows}).Answer(Question::kRows);
-    EXPECT_EQ(finding.verdict, Verdict::kBad) << rows;
-    EXPECT_NEAR(finding.value, rows, 0.3);
-    EXPECT_LT(finding.sigma, 0.1);
-  }
-  const Finding finding = Moved({1, 0, 0, 0, 1, 0.5}).Answer(Question::kRows);
-  EXPECT_EQ(finding.verdict, Verdict::kGood);
-  EXPECT_NEAR(finding.value, 0.5, 0.15);
-}
-
-TEST(CheckInputs, SeesARoll) {
-  const double angle = 0.7 * CV_PI / 180;
-  ExpectBad(Moved({std::cos(angle), -std::sin(angle),
-                   320 * (1 - std::cos(angle)) + 240 * std::sin(angle), std::sin(angle),
-                   std::cos(angle), 240 * (1 - std::cos(angle)) - 320 * std::sin(angle)}),
-            Question::kRows, "roll +0.7");
 }
 
 TEST(CheckInputs, NamesTheUnitOfRanges) {

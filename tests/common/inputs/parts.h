@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string>
 
 #include "common/config/config.h"
@@ -27,6 +28,16 @@ inline Parts SceneOf(const std::string& source = "synthetic:640x480?tof=grid", i
   const auto dataset = scenes::OpenDataset(source);
   const scenes::DatasetFrame frame = dataset->Get(index);
   return {ToGrey(frame.left).clone(), ToGrey(frame.right).clone(), frame.tof, dataset->rig()};
+}
+
+// The scene with its right image moved.
+inline Parts Moved(const cv::Matx23d& motion) {
+  Parts parts = SceneOf();
+  cv::Mat1b moved;
+  cv::warpAffine(parts.right, moved, motion, parts.right.size(), cv::INTER_CUBIC,
+                 cv::BORDER_REFLECT);
+  parts.right = moved;
+  return parts;
 }
 
 inline void ExpectBad(const Parts& parts, Question question, const std::string& text) {
