@@ -262,10 +262,11 @@ Finding JudgeScale(const RangeModel& model, bool is_turned) {
   } else if (!is_turned && IsSpread(model)) {
     finding.verdict = Verdict::kBad;
     finding.text = fmt::format(
-        "the range image has {:.2f} times the field of view that it is taken for (then {:.0f} % of "
-        "its points are within 1 % of stereo, as it is {:.0f} %): give the sensor's own lens "
+        "the range image has {:.2f} times the field of view that it is taken for{} (then {:.0f} % "
+        "of its points are within 1 % of stereo, as it is {:.0f} %): give the sensor's own lens "
         "(--tof-rig, CameraInfo)",
-        model.spread.spread, 100 * model.spread.close_share(), 100 * model.as_is.close_share());
+        model.spread.spread, model.spread.is_square ? ", and square pixels" : "",
+        100 * model.spread.close_share(), 100 * model.as_is.close_share());
   } else if (!is_turned && model.as_is.compared >= RangeVerdicts::kFewCompared &&
              model.as_is.share() >= RangeVerdicts::kGood) {
     finding.verdict = Verdict::kGood;

@@ -36,7 +36,8 @@ struct RangeRules {
   /// Widths of the field of view that are tried first, shares of what the calibration says.
   static constexpr double kSpreads[] = {0.5,  0.6,  0.7,  0.8, 0.87, 0.93,
                                         1.07, 1.15, 1.25, 1.4, 1.7,  2};
-  static constexpr double kApart = 0.1;  ///< see RangeModel::apart
+  static constexpr double kOblong = 0.02;  ///< pixels that are less so are square
+  static constexpr double kApart = 0.1;    ///< see RangeModel::apart
 };
 
 // A pixel of the range image.
@@ -51,6 +52,7 @@ struct Hypothesis {
   double ahead_m = 0;
   cv::Point2d move_px = {0, 0};
   double spread = 1;
+  bool is_square = false;
 };
 
 // All values of a range image, and how many are returns.
@@ -116,6 +118,7 @@ class Comparison {
                      .ahead_m = hypothesis.ahead_m,
                      .move_px = hypothesis.move_px,
                      .spread = hypothesis.spread,
+                     .is_square = hypothesis.is_square,
                      .in_picture = in_picture,
                      .in_both = static_cast<int>(in_both),
                      .votes = std::vector<Vote>(matches_.size(), Vote::kNone),
@@ -156,6 +159,7 @@ class Comparison {
       const cv::Point at = Turned(pixel.at, size, hypothesis.turn);
       Eigen::Vector3d ray = projector_.ray(at.x, at.y);
       ray.head<2>() *= hypothesis.spread;
+      if (hypothesis.is_square) ray.y() *= rig.tof.fy / rig.tof.fx;
       const Eigen::Vector3d point =
           rotation_ * (ray * (hypothesis.factor * pixel.depth)) + position;
       if (!(point.z() > 0)) continue;
@@ -254,21 +258,28 @@ Agreement BestShifted(const Comparison& comparison, std::span<const RangePixel> 
   return best;
 }
 
-// Narrower fields of view reach fewer matches, so those that disagree count as well.
-Agreement BestSpread(const Comparison& comparison, std::span<const RangePixel> pixels) {
+// Narrower fields of view reach fewer matches, so those that disagree count as well. Of pixels that
+// the calibration makes oblong also those that square ones have.
+Agreement BestSpread(const Comparison& comparison, std::span<const RangePixel> pixels,
+                     const TofCamera& camera) {
   Agreement best;
   const auto merit = [](const Agreement& agreement) {
     return agreement.close - 2 * (agreement.compared - agreement.close);
   };
-  const auto look_at = [&](double spread) {
-    Agreement agreement = comparison.Compare(pixels, {.spread = spread});
+  const auto look_at = [&](double spread, bool is_square) {
+    Agreement agreement = comparison.Compare(pixels, {.spread = spread, .is_square = is_square});
     if (merit(agreement) > merit(best)) best = std::move(agreement);
   };
-  for (const double spread : RangeRules::kSpreads) look_at(spread);
+  for (const double spread : RangeRules::kSpreads) look_at(spread, false);
+  if (std::abs(camera.fx / camera.fy - 1) > RangeRules::kOblong) {
+    look_at(1, true);
+    for (const double spread : RangeRules::kSpreads) look_at(spread, true);
+  }
   for (const double step : {0.04, 0.02}) {
     const double from = best.spread;  // `best` changes meanwhile
-    look_at(from * (1 - step));
-    look_at(from * (1 + step));
+    const bool is_square = best.is_square;
+    look_at(from * (1 - step), is_square);
+    look_at(from * (1 + step), is_square);
   }
   return best;
 }
@@ -334,7 +345,7 @@ RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
   }
   if (model.as_is.close_share() < RangeRules::kClose) {
     model.shifted = BestShifted(comparison, Chosen(all, RangeRules::kMaxTurned), pair.width);
-    model.spread = BestSpread(comparison, Chosen(all, RangeRules::kMaxTurned));
+    model.spread = BestSpread(comparison, Chosen(all, RangeRules::kMaxTurned), projector.rig().tof);
     model.moved = BestMoved(comparison, pixels, MedianDistance(matches, pair));
   }
   const Agreement& fitting =

@@ -1,5 +1,11 @@
 #include "services/pipeline/files/pair_reader.h"
 
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 #include "common/config/config_error.h"
 #include "common/core/image.h"
 #include "common/geometry/projection.h"
@@ -71,12 +77,26 @@ Result<RectifiedPair> PairReader::PairOf(const cv::Mat& left) const {
                        .baseline_m = *options_.baseline_m};
 }
 
+// A range image that shows just what the left image shows has pixels as wide as high.
+void PairReader::NoteOblong(cv::Size tof, cv::Size left) {
+  const double columns = static_cast<double>(tof.height) * left.width / left.height;
+  constexpr double kMost = 0.05;  // the nearest whole number of columns is square, too
+  const bool is_square = std::abs(tof.width - columns) <= std::max(1.0, kMost * columns);
+  if (noted_oblong_ || tof.empty() || is_square) return;
+  noted_oblong_ = true;
+  note_ = fmt::format(
+      "pixels of range images of {} are {:.2f} times as wide as high over left images of {}: do "
+      "they show just what these show? If not: --tof-rig",
+      SizeText(tof), columns / tof.width, SizeText(left));
+}
+
 // Gives a pair that is rectified already its calibration.
-Result<void> PairReader::Calibrate(Frame& frame) const {
+Result<void> PairReader::Calibrate(Frame& frame) {
   const Result<RectifiedPair> pair = PairOf(frame.left);
   if (!pair) return tl::unexpected(pair.error());
   const cv::Size tof_size = frame.tof->depth_m.size();
   frame.rig = Rig{.pair = *pair, .tof = tof_camera_.value_or(TofOverLeft(*pair, tof_size))};
+  if (!tof_camera_) NoteOblong(tof_size, pair->size());
   if (!tof_camera_ || tof_size.empty()) return {};
   const Result<void> fits =
       CheckSize("the ToF image", tof_size, {tof_camera_->width, tof_camera_->height});
@@ -135,6 +155,11 @@ Result<Frame> PairReader::Read(const ImagePair& pair) {
   const Result<void> fits = rectifier_ ? Rectify(frame) : Calibrate(frame);
   if (!fits) return tl::unexpected(fits.error());
   return frame;
+}
+
+std::string PairReader::TakeNote() {
+  std::string note = eight_bits_.TakeNote();
+  return note.empty() ? std::exchange(note_, {}) : note;
 }
 
 }  // namespace sprout

@@ -51,7 +51,7 @@ class PairReader {
   Result<Frame> Read(const ImagePair& pair);
 
   /// What a user should know of the pairs read since the last call, one line; mostly empty.
-  std::string TakeNote() { return eight_bits_.TakeNote(); }
+  std::string TakeNote();
 
  private:
   // A video, and the number of its next picture.
@@ -63,10 +63,13 @@ class PairReader {
   Result<CameraImage> ReadView(const std::filesystem::path& path, int64_t number, OpenVideo& video);
   Result<void> Rectify(Frame& frame) const;
   Result<RectifiedPair> PairOf(const cv::Mat& left) const;
-  Result<void> Calibrate(Frame& frame) const;
+  void NoteOblong(cv::Size tof, cv::Size left);
+  Result<void> Calibrate(Frame& frame);
 
   RigOptions options_;
   EightBits eight_bits_;
+  std::string note_;  // see TakeNote()
+  bool noted_oblong_ = false;
   std::optional<double> tof_unit_m_;
   scenes::PairCalibration calibration_;  // of options_.calib_file
   OpenVideo left_video_, right_video_;

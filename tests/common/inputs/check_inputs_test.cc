@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
+#include "common/geometry/projection.h"
 #include "tests/common/core/centred.h"
 #include "tests/common/inputs/parts.h"
 
@@ -151,6 +152,19 @@ TEST(CheckInputs, SaysThatARangeImageHasAnotherFieldOfView) {
     EXPECT_EQ(finding.text.find("times the field of view") != std::string::npos, times != 1)
         << finding.text;
   }
+}
+
+// A sensor of other proportions, of which only a part of the width is in the picture.
+TEST(CheckInputs, SaysThatARangeImageHasSquarePixels) {
+  Parts parts = SceneOf("synthetic:640x480?tof=grid");
+  const cv::Rect part(parts.rig.tof.width / 6, 0, parts.rig.tof.width * 2 / 3,
+                      parts.rig.tof.height);
+  parts.tof.depth_m = parts.tof.depth_m(part).clone();
+  parts.rig.tof = TofOverLeft(parts.rig.pair, part.size());
+  const Finding finding = parts.Answer(Question::kScale);
+  EXPECT_EQ(finding.verdict, Verdict::kBad);
+  EXPECT_THAT(finding.text, HasSubstr("times the field of view that it is taken for, and "
+                                      "square pixels"));
 }
 
 TEST(CheckInputs, SaysThatPrincipalPointsDoNotFit) {

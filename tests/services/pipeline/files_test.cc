@@ -321,5 +321,16 @@ TEST_F(Files, StopBetweenTwoPairs) {
   EXPECT_THAT(outcome.err, HasSubstr("stopped after 0 of 1 pairs\n"));
 }
 
+// As of a camera of other proportions, whose image was taken for what the left one shows.
+TEST_F(Files, SayThatPixelsOfRangeImagesAreOblong) {
+  options_.tof = folder_ / "tof.pfm";
+  EXPECT_THAT(RunToEnd(options_).err, Not(HasSubstr("as wide as high")));
+  const cv::Mat1f narrow = tof_.depth_m.colRange(4, tof_.depth_m.cols - 4);
+  ASSERT_TRUE(WritePfm(folder_ / "tof.pfm", narrow.clone()));
+  EXPECT_THAT(RunToEnd(options_).err,
+              HasSubstr("pixels of range images of 32x30 are 1.25 times as wide as high over left "
+                        "images of 160x120"));
+}
+
 }  // namespace
 }  // namespace sprout
