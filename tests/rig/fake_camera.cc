@@ -52,13 +52,9 @@ struct Options {
 // Registers of fake_camera.xml that the simulator does not know.
 enum Register : uint32_t {
   kScale = 0x400,
-  kOffset = 0x408,
-  kInvalid = 0x410,
   kFocalLength = 0x418,
   kPrincipalU = 0x420,
   kPrincipalV = 0x428,
-  kInvalidFlag = 0x430,
-  kDistanceUnit = 0x434,
   kCoordinateSystem = 0x438,
   kTimestampLatchValue = 0x440,
 };
@@ -130,12 +126,8 @@ class FakeCamera {
     write(ARV_FAKE_CAMERA_REGISTER_WIDTH, options.width);
     write(ARV_FAKE_CAMERA_REGISTER_HEIGHT, options.height);
     write(ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT, Format(options.format));
-    write(kInvalidFlag, 1);
-    write(kDistanceUnit, 0);
     write(kCoordinateSystem, options.spherical ? 1 : 0);
     WriteDouble(registers, kScale, options.unit_mm);
-    WriteDouble(registers, kOffset, 0);
-    WriteDouble(registers, kInvalid, 65535);
     WriteDouble(registers, kFocalLength, options.focal_px);
     WriteDouble(registers, kPrincipalU, (options.width - 1) / 2.0);
     WriteDouble(registers, kPrincipalV, (options.height - 1) / 2.0);
