@@ -147,10 +147,8 @@ TEST(RosForeign, TransformsMayBeOnOtherTopics) {
     for (const char* topic : {"/tf_static", "/tf"}) {
       RosRecording file;
       AddPairs(file, 1);
-      file.AddImage("/tof/image", kStart, examples::Tof(false).depth_m);
-      file.Add("/tof/camera_info", ToRosTofInfo({kStart, RosFrames().tof}, rig.tof));
-      file.Add("/left/camera_info", ToRosLeftInfo({kStart, RosFrames().left}, rig.pair));
-      file.Add("/right/camera_info", ToRosRightInfo({kStart, RosFrames().right}, rig.pair));
+      file.AddTof();
+      file.AddPairInfo(rig);
       const std::string name = std::string(robot) + topic;
       file.Add(name, ToRosTransforms(kStart, rig, {}));
       const Opened opened = OpenAll(file.Source("&depth=/tof/image"));
@@ -173,10 +171,8 @@ TEST(RosForeign, FramesMayHaveASlashInFront) {
     const RosFrames& of_messages = is_slashed ? plain : slashed;
     RosRecording file;
     AddPairs(file, 1);
-    file.AddImage("/tof/image", kStart, examples::Tof(false).depth_m);
-    file.Add("/tof/camera_info", ToRosTofInfo({kStart, of_messages.tof}, rig.tof));
-    file.Add("/left/camera_info", ToRosLeftInfo({kStart, of_messages.left}, rig.pair));
-    file.Add("/right/camera_info", ToRosRightInfo({kStart, of_messages.right}, rig.pair));
+    file.AddTof(of_messages.tof);
+    file.AddPairInfo(rig, kStart, of_messages);
     file.Add("/tf_static", ToRosTransforms(kStart, rig, is_slashed ? slashed : plain));
     const Opened opened = OpenAll(file.Source("&depth=/tof/image"));
     EXPECT_EQ(RigId(opened.source->rig()), RigId(rig));
@@ -188,10 +184,8 @@ TEST(RosForeign, AFrameOfSeveralParentsIsNamed) {
   const Rig rig = examples::Rig();
   RosRecording file;
   AddPairs(file, 1);
-  file.AddImage("/tof/image", kStart, examples::Tof(false).depth_m);
-  file.Add("/tof/camera_info", ToRosTofInfo({kStart, RosFrames().tof}, rig.tof));
-  file.Add("/left/camera_info", ToRosLeftInfo({kStart, RosFrames().left}, rig.pair));
-  file.Add("/right/camera_info", ToRosRightInfo({kStart, RosFrames().right}, rig.pair));
+  file.AddTof();
+  file.AddPairInfo(rig);
   RosMessage<RosTransforms> both;
   const std::span two = ResizeRos(both->transforms, 2);
   for (size_t i = 0; i < 2; ++i) {
@@ -210,8 +204,7 @@ TEST(RosForeign, TransformsOfSeveralRobotsAreNotGuessed) {
   const Rig rig = examples::Rig();
   RosRecording file;
   AddPairs(file, 1);
-  file.AddImage("/tof/image", kStart, examples::Tof(false).depth_m);
-  file.Add("/tof/camera_info", ToRosTofInfo({kStart, RosFrames().tof}, rig.tof));
+  file.AddTof();
   file.AddCalibration(rig, "/robot1");
   file.Add("/robot2/tf_static", ToRosTransforms(kStart, rig, {}));
   EXPECT_THAT(Complaint(file.Source("&depth=/tof/image")), HasSubstr("no transform"));
@@ -223,8 +216,7 @@ TEST(RosForeign, ThePoseMayBeGiven) {
   const Rig rig = examples::Rig();
   RosRecording file;
   AddPairs(file, 1);
-  file.AddImage("/tof/image", kStart, examples::Tof(false).depth_m);
-  file.Add("/tof/camera_info", ToRosTofInfo({kStart, "nowhere"}, rig.tof));
+  file.AddTof("nowhere");
   file.AddCalibration(rig);
   const Opened opened = OpenAll(file.Source("&depth=/tof/image&pose=0.1,-0.2,0.3,0,0,1,0"));
   const TofCamera& tof = opened.source->rig().tof;

@@ -54,9 +54,19 @@ class RosRecording {
     writer_.Write(channel->second, 0, time_ns, cdr_);
   }
 
+  void AddPairInfo(const Rig& rig, int64_t utime = kStart, const RosFrames& frames = {}) {
+    Add("/left/camera_info", ToRosLeftInfo({utime, frames.left}, rig.pair));
+    Add("/right/camera_info", ToRosRightInfo({utime, frames.right}, rig.pair));
+  }
+
+  /// A range image of examples::Rig(), and its calibration in a frame.
+  void AddTof(const std::string& frame = RosFrames().tof) {
+    AddImage("/tof/image", kStart, examples::Tof(false).depth_m);
+    Add("/tof/camera_info", ToRosTofInfo({kStart, frame}, examples::Rig().tof));
+  }
+
   void AddCalibration(const Rig& rig, const std::string& of_robot = "") {
-    Add("/left/camera_info", ToRosLeftInfo({kStart, RosFrames().left}, rig.pair));
-    Add("/right/camera_info", ToRosRightInfo({kStart, RosFrames().right}, rig.pair));
+    AddPairInfo(rig);
     Add(of_robot + "/tf_static", ToRosTransforms(kStart, rig, {}));
   }
 

@@ -25,8 +25,7 @@ struct TwoRigs {
     for (int i = 0; i < 4; ++i) {
       const Rig& rig = i < 2 ? first : second;
       const int64_t utime = kStart + 100'000 * i;
-      file.Add("/left/camera_info", ToRosLeftInfo({utime, RosFrames().left}, rig.pair));
-      file.Add("/right/camera_info", ToRosRightInfo({utime, RosFrames().right}, rig.pair));
+      file.AddPairInfo(rig, utime);
       const cv::Mat1b image(rig.pair.size(), static_cast<uint8_t>(i));
       file.AddPair(utime, image);
     }

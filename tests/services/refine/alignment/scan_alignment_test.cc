@@ -10,8 +10,7 @@
 
 #include "common/core/image.h"
 #include "common/scenes/dataset.h"
-#include "services/refine/refine_adapter.h"
-#include "services/refine/refiner.h"
+#include "tests/services/refine/refine_scene.h"
 
 namespace sprout::refine {
 namespace {
@@ -27,7 +26,7 @@ struct ScanError {
 
 // A frame of the simulated room, as a lidar sees it from the left camera's place: a return every 4
 // px along beams that are 10 px apart.
-struct ScanScene {
+struct ScanScene : Scene {
   explicit ScanScene(const ScanError& error = {}, int64_t index = 0) {
     CaptureConfig config;
     config.set_source("synthetic:640x480");
@@ -56,9 +55,6 @@ struct ScanScene {
     return aligner.Estimate({left, right, rig, surface, noise_px, false}, points);
   }
 
-  cv::Mat1b left, right;
-  Rig rig;
-  TofImage tof;
   std::vector<ProjectedPoint> points;
 
  private:
@@ -225,13 +221,7 @@ TEST(Refiner, TakesAMoveBackBesideAPairThatDoesNotFit) {
 TEST(RefineAdapter, SaysThatAScanWasMoved) {
   RefineAdapter adapter{RefineConfig()};
   const auto said = [&](const ScanScene& scene) {
-    Frame frame;
-    frame.left = scene.left;
-    frame.right = scene.right;
-    frame.tof = scene.tof;
-    frame.rig = scene.rig;
-    frame.id.rig_id = RigId(scene.rig);
-    return adapter.Process(frame).finding.value_or("");
+    return adapter.Process(FrameOf(scene)).finding.value_or("");
   };
   EXPECT_THAT(said(ScanScene({.farther_m = 0.3})), HasSubstr("measures at another moment"));
   EXPECT_EQ(said(ScanScene()), "");
