@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "common/geometry/projection.h"
+#include "tests/common/config/with.h"
 #include "tests/common/scenes/some_pair.h"
 #include "tests/common/testing/thrown.h"
 
@@ -14,6 +15,7 @@ namespace sprout::scenes {
 namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+const std::string kQuiet = "depth_noise_m: 0 ";
 
 // A wall that fills the view.
 TofSamples Wall(float depth_m, float albedo) {
@@ -30,9 +32,9 @@ void SetRight(TofSamples& samples, double tof_column, float depth_m, float albed
   samples.albedo.colRange(first, samples.albedo.cols) = albedo;
 }
 
-TofImage Measure(const TofSamples& samples, const Sr4000Config& config = {}, uint32_t seed = 1,
+TofImage Measure(const TofSamples& samples, const std::string& config = "", uint32_t seed = 1,
                  int64_t frame = 0) {
-  return Sr4000(SomePair(), config, seed).Measure(samples, frame).tof;
+  return Sr4000(SomePair(), With<Sr4000Config>(config), seed).Measure(samples, frame).tof;
 }
 
 int Returns(const TofImage& tof) { return cv::countNonZero(tof.depth_m == tof.depth_m); }
@@ -76,11 +78,11 @@ TEST(Sr4000, IsNoisierFarAwayAndOnDarkSurfaces) {
 TEST(Sr4000, IsLimitedByItsOwnLightAtNightAndByTheSunByDay) {
   TofSamples samples = Wall(2, 0.8f);
   SetRight(samples, 80, 2, 0.2f);  // the larger part: the median; the other is 4 times as bright
-  Sr4000Config config;
-  config.set_ambient_amplitude(0);
-  EXPECT_NEAR(Deviation(Measure(samples, config), 0, 80, 2), 0.004 / 2, 0.0001);
-  config.set_ambient_amplitude(60000);
-  EXPECT_NEAR(Deviation(Measure(samples, config), 0, 80, 2), 0.004 / 4, 0.0001);
+  const auto deviation = [&](const char* config) {
+    return Deviation(Measure(samples, config), 0, 80, 2);
+  };
+  EXPECT_NEAR(deviation("ambient_amplitude: 0"), 0.004 / 2, 0.0001);
+  EXPECT_NEAR(deviation("ambient_amplitude: 60000"), 0.004 / 4, 0.0001);
 }
 
 TEST(Sr4000, HasNoReturnFromVeryDarkSurfaces) {
@@ -93,10 +95,9 @@ TEST(Sr4000, HasNoReturnFromVeryDarkSurfaces) {
   EXPECT_TRUE(std::isnan(tof.depth_m(50, 100)));
   EXPECT_NEAR(tof.amplitude(50, 100), 49, 0.01);
   EXPECT_FALSE(std::isnan(tof.depth_m(50, 120)));
-  Sr4000Config all;
-  all.set_min_amplitude(0);
-  EXPECT_FALSE(std::isnan(Measure(samples, all).depth_m(50, 100)));
-  EXPECT_TRUE(std::isnan(Measure(samples, all).depth_m(50, 140)));  // no light at all
+  const TofImage all = Measure(samples, "min_amplitude: 0");
+  EXPECT_FALSE(std::isnan(all.depth_m(50, 100)));
+  EXPECT_TRUE(std::isnan(all.depth_m(50, 140)));  // no light at all
 }
 
 TEST(Sr4000, HasNoReturnWhereMostOfThePixelIsUnknown) {
@@ -113,26 +114,22 @@ TEST(Sr4000, HasNoReturnWhereMostOfThePixelIsUnknown) {
 TEST(Sr4000, HasFlyingPixelsAtDepthEdgesOnly) {
   TofSamples samples = Wall(2, 0.4f);
   SetRight(samples, 100.25, 1, 0.1f);  // both send the same light back
-  Sr4000Config config;
-  config.set_depth_noise_m(0);
-  const TofImage tof = Measure(samples, config);
+  const TofImage tof = Measure(samples, kQuiet);
   for (int u = 0; u < 176; ++u) {
     EXPECT_NEAR(tof.depth_m(70, u), u < 100 ? 2 : u > 100 ? 1 : 1.25, 1e-6) << u;
   }
-  config.set_flying_pixels(0.5);
-  EXPECT_NEAR(Measure(samples, config).depth_m(70, 100), 1.125, 1e-6);
-  config.set_flying_pixels(0);
-  EXPECT_NEAR(Measure(samples, config).depth_m(70, 100), 1, 1e-6);
+  const auto at_the_edge = [&](const std::string& more) {
+    return Measure(samples, kQuiet + more).depth_m(70, 100);
+  };
+  EXPECT_NEAR(at_the_edge("flying_pixels: 0.5"), 1.125, 1e-6);
+  EXPECT_NEAR(at_the_edge("flying_pixels: 0"), 1, 1e-6);
 }
 
 TEST(Sr4000, SpreadsAnEdgeOverTheFootprintOfAPixel) {
   TofSamples samples = Wall(2, 0.5F);
   SetRight(samples, 88, 3, 0.5F);
-  Sr4000Config config;
-  config.set_depth_noise_m(0);
-  const auto between = [&](double footprint_px) {
-    config.set_footprint_px(footprint_px);
-    const TofImage tof = Measure(samples, config);
+  const auto between = [&](int footprint_px) {
+    const TofImage tof = Measure(samples, kQuiet + "footprint_px: " + std::to_string(footprint_px));
     int count = 0;
     for (int u = 0; u < 176; ++u) count += tof.depth_m(70, u) > 2.01F && tof.depth_m(70, u) < 2.99F;
     return count;
@@ -145,12 +142,8 @@ TEST(Sr4000, SpreadsAnEdgeOverTheFootprintOfAPixel) {
 TEST(Sr4000, DropsPixelsThatItCanTellToBeMixed) {
   TofSamples samples = Wall(2, 0.5F);
   SetRight(samples, 88, 3, 0.5F);
-  Sr4000Config config;
-  config.set_footprint_px(3);
-  config.set_mixed_percent(49);
-  EXPECT_EQ(Returns(Measure(samples, config)), 174 * 144);
-  config.set_mixed_percent(51);
-  EXPECT_EQ(Returns(Measure(samples, config)), 176 * 144);
+  EXPECT_EQ(Returns(Measure(samples, "footprint_px: 3 mixed_percent: 49")), 174 * 144);
+  EXPECT_EQ(Returns(Measure(samples, "footprint_px: 3 mixed_percent: 51")), 176 * 144);
 }
 
 // A wall that slopes away and darkens to the right, so that no two columns are alike.
@@ -168,11 +161,9 @@ TEST(Sr4000, IsBlindToExactlyTheShareOfReturnsWithTheLowestAmplitude) {
   const TofSamples samples = Slope(2, 3);
   const TofImage all = Measure(samples);
   ASSERT_EQ(Returns(all), 176 * 144);
-  for (const double percent : {25.0, 50.0, 75.0, 100.0}) {
-    Sr4000Config config;
-    config.set_blind_percent(percent);
-    const TofImage tof = Measure(samples, config);
-    EXPECT_EQ(Returns(tof), std::lround((1 - percent / 100) * 176 * 144));
+  for (const int percent : {25, 50, 75, 100}) {
+    const TofImage tof = Measure(samples, "blind_percent: " + std::to_string(percent));
+    EXPECT_EQ(Returns(tof), std::lround((1 - percent / 100.0) * 176 * 144));
     float weakest_kept = 1e9F;
     float strongest_gone = 0;
     for (int i = 0; i < 176 * 144; ++i) {
@@ -189,39 +180,26 @@ TEST(Sr4000, IsBlindToExactlyTheShareOfReturnsWithTheLowestAmplitude) {
 }
 
 TEST(Sr4000, TakesEquallyWeakReturnsInTheOrderOfThePixels) {
-  Sr4000Config config;
-  config.set_blind_percent(50);
-  const TofImage tof = Measure(Wall(2, 0.5F), config);
+  const TofImage tof = Measure(Wall(2, 0.5F), "blind_percent: 50");
   EXPECT_EQ(cv::countNonZero(tof.depth_m.rowRange(0, 72) == tof.depth_m.rowRange(0, 72)), 0);
   EXPECT_EQ(Returns(tof), 72 * 176);
 }
 
 TEST(Sr4000, LeavesOutAllButOnePixelInSoMany) {
   const TofImage all = Measure(Wall(2, 0.5F));
-  Sr4000Config config;
-  config.set_every_px(4);
-  TofImage tof = Measure(Wall(2, 0.5F), config);
+  const TofImage tof = Measure(Wall(2, 0.5F), "every_px: 4");
   EXPECT_EQ(Returns(tof), 44 * 36);
   EXPECT_EQ(tof.depth_m(8, 12), all.depth_m(8, 12));
   EXPECT_TRUE(std::isnan(tof.depth_m(8, 13)));
   EXPECT_TRUE(std::isnan(tof.depth_m(9, 12)));
-  config.set_every_px(1.5);  // two of three
-  tof = Measure(Wall(2, 0.5F), config);
-  EXPECT_EQ(Returns(tof), 117 * 96);
+  EXPECT_EQ(Returns(Measure(Wall(2, 0.5F), "every_px: 1.5")), 117 * 96) << "two of three";
 }
 
 TEST(Sr4000, HasNoReturnBeyondItsRange) {
-  Sr4000Config config;
-  config.set_depth_noise_m(0);
-  config.set_max_range_m(3);
-  const Sr4000 camera(SomePair(), config, 1);
+  const Sr4000 camera(SomePair(), With<Sr4000Config>(kQuiet + "max_range_m: 3"), 1);
   const TofProjector projector({.pair = SomePair(), .tof = camera.calibrated()});
   const TofImage tof = camera.Measure(Slope(2, 4), 0).tof;
-  const TofImage all = Measure(Slope(2, 4), [] {
-    Sr4000Config quiet;
-    quiet.set_depth_noise_m(0);
-    return quiet;
-  }());
+  const TofImage all = Measure(Slope(2, 4), kQuiet);
   int beyond = 0;
   for (int v = 0; v < 144; ++v) {
     for (int u = 0; u < 176; ++u) {
@@ -235,11 +213,8 @@ TEST(Sr4000, HasNoReturnBeyondItsRange) {
 }
 
 TEST(Sr4000, TellsARangeOnlyModuloItsAmbiguity) {
-  Sr4000Config config;
-  config.set_depth_noise_m(0);
-  const TofImage all = Measure(Slope(4, 6), config);
-  config.set_ambiguity_range_m(5);
-  const Sr4000 camera(SomePair(), config, 1);
+  const TofImage all = Measure(Slope(4, 6), kQuiet);
+  const Sr4000 camera(SomePair(), With<Sr4000Config>(kQuiet + "ambiguity_range_m: 5"), 1);
   const TofProjector projector({.pair = SomePair(), .tof = camera.calibrated()});
   const TofImage tof = camera.Measure(Slope(4, 6), 0).tof;
   for (int v = 0; v < 144; v += 9) {
@@ -255,10 +230,8 @@ TEST(Sr4000, TellsARangeOnlyModuloItsAmbiguity) {
 
 TEST(Sr4000, WrapsTheStatedShareOfReturnsWhateverTheScaleOfTheScene) {
   for (const float scale : {1.0F, 100.0F}) {
-    Sr4000Config config;
-    const TofImage all = Measure(Slope(4 * scale, 6 * scale), config);
-    config.set_wrapped_percent(25);
-    const TofImage tof = Measure(Slope(4 * scale, 6 * scale), config);
+    const TofImage all = Measure(Slope(4 * scale, 6 * scale));
+    const TofImage tof = Measure(Slope(4 * scale, 6 * scale), "wrapped_percent: 25");
     int wrapped = 0;
     for (int i = 0; i < 176 * 144; ++i) wrapped += tof.depth_m(i) < all.depth_m(i);
     EXPECT_EQ(wrapped, 176 * 144 / 4);
@@ -268,15 +241,8 @@ TEST(Sr4000, WrapsTheStatedShareOfReturnsWhateverTheScaleOfTheScene) {
 TEST(Sr4000, MeasuresDarkSurfacesTooNearByAmplitude) {
   TofSamples samples = Wall(2, 0.3F);
   SetRight(samples, 100, 2, 0.9F);  // three times the median
-  Sr4000Config config;
-  config.set_depth_noise_m(0);
-  config.set_amplitude_error_m(0.01);
-  const TofImage tof = Measure(samples, config);
-  const TofImage right = Measure(samples, [&] {
-    Sr4000Config same = config;
-    same.clear_amplitude_error_m();
-    return same;
-  }());
+  const TofImage tof = Measure(samples, kQuiet + "amplitude_error_m: 0.01");
+  const TofImage right = Measure(samples, kQuiet);
   EXPECT_EQ(tof.depth_m(72, 40), right.depth_m(72, 40));
   // 10 mm · (3 / (3 + 1) − 1/2) along a ray that is nearly the axis.
   EXPECT_NEAR(tof.depth_m(72, 110) - right.depth_m(72, 110), 0.0025, 5e-5);
@@ -285,27 +251,20 @@ TEST(Sr4000, MeasuresDarkSurfacesTooNearByAmplitude) {
 TEST(Sr4000, HasStrayLightOnlyWhenAsked) {
   TofSamples samples = Wall(3, 0.3F);
   SetRight(samples, 100, 1, 0.9F);
-  Sr4000Config config;
-  const TofImage right = Measure(samples, config);
-  config.set_scatter(0.02);
-  EXPECT_LT(Measure(samples, config).depth_m(72, 40), right.depth_m(72, 40) - 0.01);
-  config.set_scatter(0);
-  EXPECT_TRUE(SameBytes(Measure(samples, config), right));
+  const TofImage right = Measure(samples);
+  EXPECT_LT(Measure(samples, "scatter: 0.02").depth_m(72, 40), right.depth_m(72, 40) - 0.01);
+  EXPECT_TRUE(SameBytes(Measure(samples, "scatter: 0"), right));
   // A corner: its middle is the farthest.
   for (int x = 0; x < samples.depth_m.cols; ++x) {
     const float share = static_cast<float>(x) / static_cast<float>(samples.depth_m.cols);
     samples.depth_m.col(x) = 3 - 2 * std::abs(share - 0.5F);
   }
-  const TofImage corner = Measure(samples, config);
-  config.set_multipath(0.3);
-  EXPECT_GT(Measure(samples, config).depth_m(72, 80), corner.depth_m(72, 80) + 0.001);
+  const TofImage corner = Measure(samples);
+  EXPECT_GT(Measure(samples, "multipath: 0.3").depth_m(72, 80), corner.depth_m(72, 80) + 0.001);
 }
 
 TEST(Sr4000, MistakesWhatMovesBetweenItsPhaseImages) {
-  Sr4000Config config;
-  config.set_depth_noise_m(0);
-  config.set_focal_px(220);
-  const Sr4000 camera(SomePair(), config, 1);
+  const Sr4000 camera(SomePair(), With<Sr4000Config>(kQuiet + "focal_px: 220"), 1);
   const TofSamples still = Wall(2, 0.5F);
   const TofImage right = camera.Measure(still, 0).tof;
   std::vector<TofSamples> images(4, still);
@@ -328,16 +287,14 @@ TEST(Sr4000, MistakesWhatMovesBetweenItsPhaseImages) {
 
 TEST(Sr4000, GivesTheSameBytesForTheSameFrameAndSeedOnly) {
   const TofSamples samples = Wall(2, 0.5f);
-  const TofImage tof = Measure(samples, {}, 7, 3);
-  EXPECT_TRUE(SameBytes(tof, Measure(samples, {}, 7, 3)));
-  EXPECT_FALSE(SameBytes(tof, Measure(samples, {}, 8, 3)));
-  EXPECT_FALSE(SameBytes(tof, Measure(samples, {}, 7, 4)));
+  const TofImage tof = Measure(samples, "", 7, 3);
+  EXPECT_TRUE(SameBytes(tof, Measure(samples, "", 7, 3)));
+  EXPECT_FALSE(SameBytes(tof, Measure(samples, "", 8, 3)));
+  EXPECT_FALSE(SameBytes(tof, Measure(samples, "", 7, 4)));
 }
 
 TEST(Sr4000, RefusesParametersOutOfRange) {
-  Sr4000Config config;
-  config.set_flying_pixels(1.5);
-  EXPECT_THAT(Thrown<ConfigError>([&] { Measure(Wall(1, 1), config); }),
+  EXPECT_THAT(Thrown<ConfigError>([&] { Measure(Wall(1, 1), "flying_pixels: 1.5"); }),
               testing::HasSubstr("capture.sr4000.flying_pixels = 1.5"));
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/common/config/with.h"
 #include "tests/common/testing/thrown.h"
 
 namespace sprout::scenes {
@@ -23,13 +24,7 @@ RectifiedPair ZonesPair() {
 }
 
 // Two zones beside each other, without noise.
-ZonesConfig TwoZones() {
-  ZonesConfig config;
-  config.set_columns(2);
-  config.set_rows(1);
-  config.set_depth_noise_percent(0);
-  return config;
-}
+const std::string kTwoZones = "columns: 2 rows: 1 depth_noise_percent: 0 ";
 
 // A wall that fills the view of both.
 TofSamples ZonesWall(float depth_m, float albedo = 0.5F) {
@@ -46,9 +41,9 @@ void SetZoneTop(TofSamples& samples, int sixteenths, float depth_m, float albedo
   samples.albedo(top) = albedo;
 }
 
-TofZones MeasureZones(const TofSamples& samples, const ZonesConfig& config = TwoZones(),
+TofZones MeasureZones(const TofSamples& samples, const std::string& config = kTwoZones,
                       int64_t frame = 0) {
-  return ZoneSensor(ZonesPair(), config, 1).Measure(samples, frame);
+  return ZoneSensor(ZonesPair(), With<ZonesConfig>(config), 1).Measure(samples, frame);
 }
 
 TEST(ZoneSensor, LooksALittleBeyondTheLeftImageFromBetweenTheCameras) {
@@ -88,17 +83,13 @@ TEST(ZoneSensor, TellsTargetsApartFromTheirSeparationOn) {
   EXPECT_NEAR(two.TargetsOf(0)[0].depth_m, 2, 1e-6) << "the strongest first";
   EXPECT_NEAR(two.TargetsOf(0)[1].depth_m, 1.35, 1e-6);
   EXPECT_NEAR(two.TargetsOf(0)[1].sigma_m, 1e-4, 1e-6);
-  ZonesConfig config = TwoZones();
-  config.set_targets(1);
-  EXPECT_EQ(MeasureZones(samples, config).TargetsOf(0).size(), 1);
-  config.set_targets(2);
-  config.set_separation_m(0.7);
-  EXPECT_EQ(MeasureZones(samples, config).TargetsOf(0)[1].status, TargetStatus::kNone);
+  EXPECT_EQ(MeasureZones(samples, kTwoZones + "targets: 1").TargetsOf(0).size(), 1);
+  const TofZones one = MeasureZones(samples, kTwoZones + "targets: 2 separation_m: 0.7");
+  EXPECT_EQ(one.TargetsOf(0)[1].status, TargetStatus::kNone);
 }
 
 TEST(ZoneSensor, ReportsInModeNearestWhereTheLightBegins) {
-  ZonesConfig config = TwoZones();
-  config.set_mode(ZonesConfig::NEAREST);
+  const std::string config = kTwoZones + "mode: NEAREST";
   TofSamples samples = ZonesWall(2);
   SetZoneTop(samples, 1, 1.5F, 0.5F * 1.5F * 1.5F / 4);  // 6 % of the light
   TofZones zones = MeasureZones(samples, config);
@@ -134,10 +125,7 @@ TEST(ZoneSensor, HasNoTargetWhereTheLightIsWeakOrUnknown) {
 }
 
 TEST(ZoneSensor, HasTheStatedNoiseAndSaysSo) {
-  ZonesConfig config;
-  config.set_columns(64);
-  config.set_rows(64);
-  config.set_depth_noise_percent(2);
+  const std::string config = "columns: 64 rows: 64 depth_noise_percent: 2";
   TofSamples samples(cv::Size(64, 64) * 4);
   samples.depth_m = 3;
   samples.albedo = 0.5F;
@@ -154,9 +142,7 @@ TEST(ZoneSensor, HasTheStatedNoiseAndSaysSo) {
 }
 
 TEST(ZoneSensor, RefusesValuesOutOfRange) {
-  ZonesConfig config;
-  config.set_columns(65);
-  EXPECT_THAT(Thrown<ConfigError>([&] { ZoneSensor(ZonesPair(), config, 1); }),
+  EXPECT_THAT(Thrown<ConfigError>([&] { MeasureZones(ZonesWall(2), "columns: 65"); }),
               testing::HasSubstr("capture.zones.columns = 65"));
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/rig/rig_file.h"
+#include "tests/common/config/with.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/common/testing/thrown.h"
 
@@ -46,11 +47,10 @@ std::string ErrorOf(const DepthConfig& config) {
   return Thrown<ConfigError>([&] { DepthAdapter adapter(config); });
 }
 
+DepthAdapter Adapter(const std::string& config) { return DepthAdapter(With<DepthConfig>(config)); }
+
 TEST(DepthAdapter, AnswersWithDepthAndCloud) {
-  DepthConfig config;
-  config.set_scale(2);
-  config.set_cloud_stride(2);
-  DepthAdapter adapter(config);
+  DepthAdapter adapter = Adapter("scale: 2 cloud_stride: 2");
   Frame frame = FrameOf(7);
   EXPECT_EQ(AddAnswer(adapter, frame), "");
   ASSERT_TRUE(frame.depth && frame.cloud);
@@ -61,38 +61,30 @@ TEST(DepthAdapter, AnswersWithDepthAndCloud) {
 }
 
 TEST(DepthAdapter, SaysThatACloudIsCutOff) {
-  DepthConfig config;
-  config.set_publish_depth(false);
-  config.set_cloud_stride(1);
-  DepthAdapter adapter(config);
+  DepthAdapter adapter = Adapter("publish_depth: false cloud_stride: 1");
   Frame frame = FrameOf(7, {4000, 3001});
   EXPECT_THAT(AddAnswer(adapter, frame), HasSubstr("the cloud ends at 12000000 points"));
   EXPECT_EQ(frame.cloud->points.size(), 12'000'000U);
 }
 
 TEST(DepthAdapter, SaysHowManyDepthsAreTooFarForItsMessage) {
-  DepthConfig config;
   Frame frame = FarFrame();
   EXPECT_EQ(
-      DepthAdapter(config).Process(frame).finding,
+      Adapter("").Process(frame).finding,
       "SPROUT_DEPTH leaves out 2 of 47 pixels, which are farther than 65.5 m; a larger depth { "
       "mm_per_count } has them");
-  config.set_mm_per_count(5);
-  EXPECT_EQ(DepthAdapter(config).Process(frame).finding, "");
+  EXPECT_EQ(Adapter("mm_per_count: 5").Process(frame).finding, "");
 }
 
 TEST(DepthAdapter, JoinsWhatItNeeds) {
-  DepthConfig config;
-  EXPECT_EQ(DepthAdapter(config).Inputs(),
+  EXPECT_EQ(Adapter("").Inputs(),
             (PartSet{Part::kDisparity, Part::kRig, Part::kLeft, Part::kConfidence}));
-  config.set_confidence(false);
-  EXPECT_EQ(DepthAdapter(config).Inputs(), (PartSet{Part::kDisparity, Part::kRig, Part::kLeft}));
+  EXPECT_EQ(Adapter("confidence: false").Inputs(),
+            (PartSet{Part::kDisparity, Part::kRig, Part::kLeft}));
 }
 
 TEST(DepthAdapter, TakesTheFusedMapWhenToldTo) {
-  DepthConfig config;
-  config.set_input(DepthConfig::FUSED);
-  DepthAdapter adapter(config);
+  DepthAdapter adapter = Adapter("input: FUSED");
   EXPECT_EQ(adapter.Inputs(),
             (PartSet{Part::kFused, Part::kRig, Part::kLeft, Part::kFusedConfidence}));
   Frame frame = FrameOf(7);
@@ -106,9 +98,7 @@ TEST(DepthAdapter, TakesTheFusedMapWhenToldTo) {
 
 // z = 100 · 0.1 / 10 = 1 m, z² / (f·b) = 0.1 m a px; σ = 0.5 px.
 TEST(DepthAdapter, AnswersWithTheStandardDeviationOfTheDepthWhenAskedTo) {
-  DepthConfig config;
-  config.set_publish_cloud(false);
-  config.set_publish_sigma(true);
+  auto config = With<DepthConfig>("publish_cloud: false publish_sigma: true");
   EXPECT_EQ(DepthAdapter(config).Inputs(),
             (PartSet{Part::kDisparity, Part::kRig, Part::kLeft, Part::kSigma}));
   for (const bool with_depth : {true, false}) {
@@ -130,10 +120,7 @@ TEST(DepthAdapter, AnswersWithTheStandardDeviationOfTheDepthWhenAskedTo) {
 }
 
 TEST(DepthAdapter, LeavesOutWhatIsNotAskedFor) {
-  DepthConfig config;
-  config.set_publish_cloud(false);
-  config.set_every(3);
-  DepthAdapter adapter(config);
+  DepthAdapter adapter = Adapter("publish_cloud: false every: 3");
   EXPECT_THAT(adapter.Process(FrameOf(4)).outputs, IsEmpty());
   const StageResult outcome = adapter.Process(FrameOf(6));
   ASSERT_EQ(outcome.outputs.size(), 1U);
@@ -141,12 +128,8 @@ TEST(DepthAdapter, LeavesOutWhatIsNotAskedFor) {
 }
 
 TEST(DepthAdapter, MakesAPreviewWhenAskedTo) {
-  DepthConfig config;
-  EXPECT_TRUE(DepthAdapter(config).Process(FrameOf(0)).preview.empty());
-  config.set_publish_depth(false);
-  config.set_publish_cloud(false);
-  config.set_publish_preview(true);
-  DepthAdapter adapter(config);
+  EXPECT_TRUE(Adapter("").Process(FrameOf(0)).preview.empty());
+  DepthAdapter adapter = Adapter("publish_depth: false publish_cloud: false publish_preview: true");
   EXPECT_EQ(adapter.Inputs(), (PartSet{Part::kDisparity, Part::kRig, Part::kLeft}));
   const StageResult outcome = adapter.Process(FrameOf(0));
   EXPECT_THAT(outcome.outputs, IsEmpty());
@@ -154,15 +137,11 @@ TEST(DepthAdapter, MakesAPreviewWhenAskedTo) {
 }
 
 TEST(DepthAdapter, CountsWhatItLeavesOutOfEverything) {
-  DepthConfig config;
-  config.set_cloud_stride(1);
-  DepthAdapter off(config);
+  DepthAdapter off = Adapter("cloud_stride: 1");
   Frame frame = FrameOf(0);
   EXPECT_EQ(AddAnswer(off, frame), "");
   EXPECT_FALSE(frame.depth_counts);
-  config.set_min_confidence(101);
-  for (const int number : {0, 0, 7, 5}) config.add_region(number);
-  DepthAdapter adapter(config);
+  DepthAdapter adapter = Adapter("cloud_stride: 1 min_confidence: 101 region: [0, 0, 7, 5]");
   frame.confidence(cv::Rect(2, 1, 3, 1)) = 101;
   EXPECT_EQ(AddAnswer(adapter, frame), "");
   EXPECT_EQ(*frame.depth_counts, (DepthCounts{.pixels = 48, .unsure = 45}));
@@ -172,9 +151,7 @@ TEST(DepthAdapter, CountsWhatItLeavesOutOfEverything) {
 }
 
 TEST(DepthAdapter, SaysThatItsRegionLiesOutside) {
-  DepthConfig config;
-  for (const int number : {8, 0, 20, 5}) config.add_region(number);
-  DepthAdapter adapter(config);
+  DepthAdapter adapter = Adapter("region: [8, 0, 20, 5]");
   for (int i = 0; i < 2; ++i) {
     Frame frame = FrameOf(i);
     EXPECT_THAT(AddAnswer(adapter, frame), HasSubstr("depth.region lies outside the image of 8x6"));
@@ -183,11 +160,11 @@ TEST(DepthAdapter, SaysThatItsRegionLiesOutside) {
 }
 
 TEST(DepthAdapter, JoinsTheConfidenceForItsRuleToo) {
-  DepthConfig config;
-  config.set_publish_cloud(false);
-  EXPECT_FALSE(DepthAdapter(config).Inputs().Has(Part::kConfidence));
-  config.set_min_confidence(1);
-  EXPECT_TRUE(DepthAdapter(config).Inputs().Has(Part::kConfidence));
+  const auto joins = [](const char* config) {
+    return Adapter(config).Inputs().Has(Part::kConfidence);
+  };
+  EXPECT_FALSE(joins("publish_cloud: false"));
+  EXPECT_TRUE(joins("publish_cloud: false min_confidence: 1"));
 }
 
 class DepthAdapterWithRig : public ::testing::Test {
@@ -250,11 +227,10 @@ TEST_F(DepthAdapterWithRig, LimitsToABoxInTheRobotsFrame) {
 }
 
 TEST_F(DepthAdapterWithRig, ScansBetweenHeightsOfTheRobot) {
-  config_.set_publish_scan(true);
-  config_.set_scan_min_height_m(1.9);
-  config_.set_scan_max_height_m(2.1);
-  EXPECT_FALSE(DepthAdapter(DepthConfig()).Process(FrameOf(0)).scan);
-  const auto scan = DepthAdapter(config_).Process(FrameOf(0)).scan;
+  EXPECT_FALSE(Adapter("").Process(FrameOf(0)).scan);
+  const auto between =
+      With("publish_scan: true scan_min_height_m: 1.9 scan_max_height_m: 2.1", config_);
+  const auto scan = DepthAdapter(between).Process(FrameOf(0)).scan;
   ASSERT_TRUE(scan);
   // Columns 0 and 7 are at 2.29 and −1.72 degrees; steps are of 0.25.
   EXPECT_EQ(scan->first, -7);
@@ -304,43 +280,25 @@ TEST(DepthAdapter, SaysWhichSizesDoNotFitTogether) {
 }
 
 TEST(DepthAdapter, RefusesValuesThatItCannotUse) {
-  DepthConfig config;
-  config.set_scale(3);
-  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.scale = 3: allowed: 1, 2, 4"));
-  config = {};
-  config.set_mm_per_count(0);
-  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.mm_per_count = 0"));
-  config = {};
-  config.set_publish_cloud(false);
-  config.set_publish_depth(false);
-  EXPECT_THAT(ErrorOf(config), HasSubstr("nothing to publish"));
-  config.set_publish_sigma(true);
-  EXPECT_EQ(ErrorOf(config), "no error");
-  config.set_input(DepthConfig::FUSED);
-  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.publish_sigma = true: fused maps have no"));
-  config = {};
-  config.set_min_m(3);
-  EXPECT_EQ(ErrorOf(config), "no error");
-  config.set_max_m(2);
-  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.max_m = 2"));
-  config = {};
-  config.set_min_confidence(5);
-  config.set_confidence(false);
-  EXPECT_THAT(ErrorOf(config), HasSubstr("needs depth.confidence: true"));
-  config = {};
-  config.add_region(40000);
-  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.region: 40000; allowed"));
-  config.set_region(0, 4);
-  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.region: 1 numbers"));
-  config.add_region(4);
-  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.region: 2 numbers"));
-  config = {};
-  for (int i = 0; i < 2 * 1001; ++i) config.add_region(i);
-  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.region: 1001 corners; allowed: up to 1000"));
-  config = {};
-  config.set_publish_scan(true);
-  config.set_scan_max_height_m(0.1);
-  EXPECT_THAT(ErrorOf(config), HasSubstr("depth.scan_max_height_m = 0.1"));
+  const std::pair<const char*, const char*> table[] = {
+      {"scale: 3", "depth.scale = 3: allowed: 1, 2, 4"},
+      {"mm_per_count: 0", "depth.mm_per_count = 0"},
+      {"publish_cloud: false publish_depth: false", "nothing to publish"},
+      {"publish_cloud: false publish_depth: false publish_sigma: true", "no error"},
+      {"publish_sigma: true input: FUSED", "depth.publish_sigma = true: fused maps have no"},
+      {"min_m: 3", "no error"},
+      {"min_m: 3 max_m: 2", "depth.max_m = 2"},
+      {"min_confidence: 5 confidence: false", "needs depth.confidence: true"},
+      {"region: 40000", "depth.region: 40000; allowed"},
+      {"region: 4", "depth.region: 1 numbers"},
+      {"region: [4, 4]", "depth.region: 2 numbers"},
+      {"publish_scan: true scan_max_height_m: 0.1", "depth.scan_max_height_m = 0.1"}};
+  for (const auto& [config, error] : table) {
+    EXPECT_THAT(ErrorOf(With<DepthConfig>(config)), HasSubstr(error)) << config;
+  }
+  DepthConfig corners;
+  for (int i = 0; i < 2 * 1001; ++i) corners.add_region(i);
+  EXPECT_THAT(ErrorOf(corners), HasSubstr("depth.region: 1001 corners; allowed: up to 1000"));
 }
 
 }  // namespace

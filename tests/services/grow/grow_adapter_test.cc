@@ -4,6 +4,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "tests/common/config/with.h"
 #include "tests/common/core/even_prior.h"
 
 namespace sprout::grow {
@@ -27,15 +28,14 @@ const DisparityImage& MapOf(const StageResult& outcome, Part part) {
   throw std::runtime_error("part is missing");
 }
 
+GrowAdapter Adapter(const std::string& config) { return GrowAdapter(With<GrowConfig>(config)); }
+
 TEST(GrowAdapter, AsksForWhatItsConfigurationNeeds) {
-  GrowConfig config;
-  EXPECT_EQ(GrowAdapter(config).Inputs(),
-            (PartSet{Part::kLeft, Part::kRight, Part::kSeeds, Part::kPrior}));
-  config.set_similarity(GrowConfig::MNCC);
-  EXPECT_EQ(GrowAdapter(config).Inputs(),
-            (PartSet{Part::kLeft, Part::kRight, Part::kSeeds, Part::kPrior}));
-  config.set_fill(GrowConfig::NONE);
-  EXPECT_EQ(GrowAdapter(config).Inputs(), (PartSet{Part::kLeft, Part::kRight, Part::kSeeds}));
+  const PartSet with_prior = {Part::kLeft, Part::kRight, Part::kSeeds, Part::kPrior};
+  EXPECT_EQ(Adapter("").Inputs(), with_prior);
+  EXPECT_EQ(Adapter("similarity: MNCC").Inputs(), with_prior);
+  EXPECT_EQ(Adapter("similarity: MNCC fill: NONE").Inputs(),
+            (PartSet{Part::kLeft, Part::kRight, Part::kSeeds}));
 }
 
 TEST(GrowAdapter, AnswersWithAFilledMap) {
@@ -69,16 +69,13 @@ TEST(GrowAdapter, LeavesOutWhatItIsNotSureOf) {
 }
 
 TEST(GrowAdapter, AddsTheUnfilledMapOnDemand) {
-  GrowConfig config;
-  config.set_publish_unfilled(true);
-  const StageResult outcome = GrowAdapter(config).Process(FlatFrame({40, 30}));
+  const StageResult outcome = Adapter("publish_unfilled: true").Process(FlatFrame({40, 30}));
   EXPECT_LT(MapOf(outcome, Part::kUnfilled).CountValid(),
             MapOf(outcome, Part::kDisparity).CountValid());
 }
 
 TEST(GrowAdapter, AddsConfidenceAndSigmaUnlessTold) {
-  GrowConfig config;
-  const StageResult outcome = GrowAdapter(config).Process(FlatFrame({40, 30}));
+  const StageResult outcome = Adapter("").Process(FlatFrame({40, 30}));
   ASSERT_EQ(outcome.outputs.size(), 3u);
   EXPECT_EQ(outcome.outputs[1].part, Part::kConfidence);
   const auto& confidence = std::get<cv::Mat>(outcome.outputs[1].value);
@@ -90,14 +87,12 @@ TEST(GrowAdapter, AddsConfidenceAndSigmaUnlessTold) {
   EXPECT_EQ(sigma.size(), cv::Size(40, 30));
   EXPECT_EQ(sigma.type(), CV_8UC1);
   EXPECT_LT(cv::mean(sigma)[0], kMaxSigmaCounts);
-  config.set_publish_confidence(false);
-  EXPECT_EQ(GrowAdapter(config).Process(FlatFrame({40, 30})).outputs.size(), 1u);
+  GrowAdapter without = Adapter("publish_confidence: false");
+  EXPECT_EQ(without.Process(FlatFrame({40, 30})).outputs.size(), 1u);
 }
 
 TEST(GrowAdapter, SaysWhyAFrameHasNoDisparity) {
-  GrowConfig config;
-  config.set_publish_confidence(true);
-  GrowAdapter adapter(config);
+  GrowAdapter adapter = Adapter("publish_confidence: true");
   Frame no_seeds = FlatFrame({40, 30});
   no_seeds.seeds->seeds.clear();
   EXPECT_THAT(adapter.Process(no_seeds).degenerate, HasSubstr("no seeds"));
@@ -145,12 +140,10 @@ TEST(GrowAdapter, GoesOnAfterADegenerateFrame) {
 }
 
 TEST(GrowAdapter, SaysWhenThePriorHasAnotherSize) {
-  for (const auto similarity : {GrowConfig::EPC, GrowConfig::MNCC, GrowConfig::EXPSSD}) {
-    GrowConfig config;
-    config.set_similarity(similarity);
+  for (const std::string similarity : {"EPC", "MNCC", "EXPSSD"}) {
     Frame frame = FlatFrame({64, 48});
     frame.prior = EvenPrior(DisparityImage(cv::Mat1s({8, 8}, ToCounts(2))), 1);
-    const StageResult outcome = GrowAdapter(config).Process(frame);
+    const StageResult outcome = Adapter("similarity: " + similarity).Process(frame);
     EXPECT_THAT(outcome.degenerate, HasSubstr("of 8x8: allowed is the images' size 64x48"));
     EXPECT_EQ(MapOf(outcome, Part::kDisparity).size(), cv::Size(64, 48));
   }

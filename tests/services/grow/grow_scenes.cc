@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "tests/common/config/with.h"
 #include "tests/common/core/even_prior.h"
 
 namespace sprout::grow {
@@ -50,13 +51,8 @@ std::vector<Seed> RandomSeeds(cv::Size size, int count, int max_disparity, uint3
 }
 
 GrowConfig EpcConfig() {
-  GrowConfig config;
-  config.set_similarity(GrowConfig::EPC);
-  config.set_sigma_s_squared(0.1);
-  config.set_sigma_p_px(2);
-  config.set_sigma_p_noise(0);
-  config.set_sub_pixel(false);
-  return config;
+  return With<GrowConfig>(
+      "similarity: EPC sigma_s_squared: 0.1 sigma_p_px: 2 sigma_p_noise: 0 sub_pixel: false");
 }
 
 }  // namespace sprout::grow

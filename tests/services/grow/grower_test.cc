@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "tests/common/config/with.h"
 #include "tests/services/grow/grow_scenes.h"
 
 namespace sprout::grow {
@@ -40,9 +41,8 @@ TEST(Grower, FollowsASlantOneDisparityAtATime) {
   for (int v = 0; v < size.height; ++v) {
     for (int u = 10; u < size.width; ++u) left(v, u) = right(v, u - (9 - u / 10));
   }
-  GrowConfig config = EpcConfig();
-  config.set_similarity(GrowConfig::EXPSSD);
-  config.set_sigma_s_squared(0.2);  // a window across a step passes, a wrong one does not
+  // A window across a step passes, a wrong one does not.
+  const auto config = With("similarity: EXPSSD sigma_s_squared: 0.2", EpcConfig());
   const std::vector<Seed> seeds = {{.u = 15, .v = 6, .u_right = 7}};
   const auto map = Grower(config).Compute(left, right, seeds, PriorMap());
   for (const int u : {25, 35, 45, 55, 65, 75}) EXPECT_EQ(map->Px(u, 6), 9 - u / 10) << u;
@@ -60,9 +60,7 @@ TEST(Grower, FindsTheSubPixelDisparity) {
       if (u < size.width - 6) right(v, u) = fine(v, 4 * u + 21);  // 5.25 px
     }
   }
-  GrowConfig config = EpcConfig();
-  config.set_sigma_p_px(1000);
-  config.set_sub_pixel(true);
+  const auto config = With("sigma_p_px: 1000 sub_pixel: true", EpcConfig());
   const std::vector<Seed> seeds = {{.u = 60, .v = 30, .u_right = 55}};
   const auto map = Grower(config).Compute(left, right, seeds, ConstantPrior(size, 5));
   double sum_px = 0;
@@ -82,10 +80,7 @@ TEST(Grower, SearchesAsFarAsThePriorIsUnsure) {
   const cv::Size size(60, 40);
   const cv::Mat1b left = Noise(size, 1, 256);
   const cv::Mat1b right = ShiftedBy(left, 5);
-  GrowConfig config = EpcConfig();
-  config.set_sigma_p_px(0.7);
-  config.set_sigma_p_noise(2);
-  config.set_sigma_p_sure_px(0.5);
+  auto config = With("sigma_p_px: 0.7 sigma_p_noise: 2 sigma_p_sure_px: 0.5", EpcConfig());
   const std::vector<Seed> seeds = {{30, 20, 25}, {20, 20, 15}, {45, 20, 40}};
   PriorMap prior = ConstantPrior(size, 7);  // 2 px off
   // Pixels that got a disparity, and those that got the right one.
@@ -120,10 +115,8 @@ TEST(Grower, RefusesAPriorWithoutStandardDeviations) {
 TEST(Grower, KeepsOneToOneMatching) {
   const cv::Size size(50, 30);
   const cv::Mat1b flat(size, uint8_t{128});  // every disparity fits everywhere
-  GrowConfig config = EpcConfig();
-  config.set_sigma_p_px(1000);
-  const auto map =
-      Grower(config).Compute(flat, flat, RandomSeeds(size, 40, 12, 3), ConstantPrior(size, 5));
+  const auto map = Grower(With("sigma_p_px: 1000", EpcConfig()))
+                       .Compute(flat, flat, RandomSeeds(size, 40, 12, 3), ConstantPrior(size, 5));
   ASSERT_GT(map->CountValid(), 500);
   for (int v = 0; v < size.height; ++v) {
     std::set<int> taken;
@@ -195,9 +188,7 @@ TEST(Grower, WorksOnImagesOfExactlyOneWindow) {
 }
 
 TEST(Grower, RefusesAThresholdOutOfRange) {
-  GrowConfig config;
-  config.set_threshold(1.5);
-  EXPECT_THROW(Grower{config}, ConfigError);
+  EXPECT_THROW(Grower{With<GrowConfig>("threshold: 1.5")}, ConfigError);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "services/refine/refine_adapter.h"
 #include "services/refine/refiner.h"
+#include "tests/common/config/with.h"
 #include "tests/common/core/centred.h"
 
 // What the tests of refinement look at.
@@ -22,11 +23,7 @@ inline Rig MakeRig() {
 
 // The paper's rules alone: the made-up ToF images hold single points, which all hang loose.
 inline RefineConfig PaperRules() {
-  RefineConfig config;
-  config.set_loose_tolerance_px(0);
-  config.set_hidden_reach(0);
-  config.set_stereo_seeds(false);
-  return config;
+  return With<RefineConfig>("loose_tolerance_px: 0 hidden_reach: 0 stereo_seeds: false");
 }
 
 struct Scene {

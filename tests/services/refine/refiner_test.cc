@@ -13,6 +13,11 @@ namespace {
 
 using testing::HasSubstr;
 
+RefineConfig PaperAnd(const std::string& more) { return With(more, PaperRules()); }
+
+// Where the images, of one colour, say nothing.
+const std::string kHiding = "hidden_reach: 0.8 hidden_core: 0.8";
+
 TEST(Refiner, ProjectsEveryReturnIntoBothImages) {
   Scene scene;
   scene.SetDisparity(3, 2, 8);
@@ -59,14 +64,11 @@ TEST(Refiner, DropsSeedsOnDarkRegionsOfTheLeftImage) {
   scene.SetDisparity(6, 2, 8);
   scene.left(cv::Rect(58, 18, 5, 5)) = 7;   // mean of the window around (60, 20): 7
   scene.right(cv::Rect(20, 18, 5, 5)) = 0;  // the right image does not count
-  RefineConfig config = PaperRules();
-  config.set_min_mean_grey(8);
-  const auto result = scene.Refine(config);
+  const auto result = scene.Refine(PaperAnd("min_mean_grey: 8"));
   EXPECT_EQ(result->dark, 1);
   ASSERT_EQ(result->seeds.size(), 1u);
   EXPECT_NEAR(result->seeds[0].u, 30, 1e-4);
-  config.set_min_mean_grey(7);
-  EXPECT_EQ(scene.Refine(config)->dark, 0);
+  EXPECT_EQ(scene.Refine(PaperAnd("min_mean_grey: 7"))->dark, 0);
 }
 
 TEST(Refiner, DropsSeedsWithAWeakAmplitude) {
@@ -77,8 +79,7 @@ TEST(Refiner, DropsSeedsWithAWeakAmplitude) {
   scene.tof.amplitude = cv::Mat1f(8, 10, 50.f);
   scene.tof.amplitude(2, 6) = 19;
   scene.tof.amplitude(4, 6) = kNoReturn;
-  RefineConfig config = PaperRules();
-  config.set_min_amplitude(20);
+  const RefineConfig config = PaperAnd("min_amplitude: 20");
   EXPECT_EQ(scene.Refine(config)->dark, 2);
   scene.tof.amplitude = cv::Mat1f();
   EXPECT_EQ(scene.Refine(config)->dark, 0);
@@ -126,9 +127,7 @@ TEST(Refiner, CountsAddUp) {
     for (int i = 0; i < 10; ++i) scene.SetDisparity(i, j, 3 + i);
   }
   scene.left(cv::Rect(40, 0, 30, 80)) = 0;
-  RefineConfig config = PaperRules();
-  config.set_min_mean_grey(8);
-  const auto result = scene.Refine(config);
+  const auto result = scene.Refine(PaperAnd("min_mean_grey: 8"));
   EXPECT_EQ(result->raw, 80);
   EXPECT_GT(result->dark, 0);
   EXPECT_GT(result->outside, 0);
@@ -150,13 +149,10 @@ Scene BoardBeforeWall(double tof_x_m) {
 
 TEST(Refiner, DropsPointsThatANearerSurfaceHidesAndCountsThem) {
   const Scene scene = BoardBeforeWall(0.05);
-  RefineConfig config = PaperRules();
   // The board's edge and the wall's next point lie 4 px apart: too far for a window of 5×5 px.
-  EXPECT_EQ(scene.Refine(config)->background, 0);
-  EXPECT_EQ(scene.Refine(config)->hidden, 0);
-  config.set_hidden_reach(0.8);
-  config.set_hidden_core(0.8);  // one colour: the images say nothing
-  const auto refined = scene.Refine(config);
+  EXPECT_EQ(scene.Refine()->background, 0);
+  EXPECT_EQ(scene.Refine()->hidden, 0);
+  const auto refined = scene.Refine(PaperAnd(kHiding));
   EXPECT_EQ(refined->hidden, 14);  // a point at either edge in seven rows
   EXPECT_EQ(static_cast<int>(refined->seeds.size()) + refined->outside + refined->background +
                 refined->hidden,
@@ -187,8 +183,7 @@ TEST(Refiner, KeepsWhatLiesOutsideTheRightImageForThePrior) {
   scene.SetDisparity(6, 4, 120);  // no two images of this width show that
   scene.SetDisparity(7, 4, 8);    // seen by both
   scene.left(cv::Rect(28, 38, 5, 5)) = 0;
-  RefineConfig config = PaperRules();
-  config.set_min_mean_grey(8);
+  const RefineConfig config = PaperAnd("min_mean_grey: 8");
   const SeedSet left_seeds = LeftSeeds(scene, config);
   EXPECT_EQ(left_seeds.raw, 3);
   EXPECT_EQ(left_seeds.dark, 1);
@@ -203,9 +198,7 @@ TEST(Refiner, KeepsWhatLiesOutsideTheRightImageForThePrior) {
 
 TEST(Refiner, KeepsWhatOnlyTheRightCameraDoesNotSeeForThePrior) {
   const Scene scene = BoardBeforeWall(0.05);
-  RefineConfig config = PaperRules();
-  config.set_hidden_reach(0.8);
-  config.set_hidden_core(0.8);  // one colour: the images say nothing
+  const RefineConfig config = PaperAnd(kHiding);
   const SeedSet left_seeds = LeftSeeds(scene, config);
   // The wall's point left of the board in seven rows, the one to its right is hidden from the left;
   // and at the left border what lies outside the right image.
@@ -227,12 +220,8 @@ TEST(Refiner, DropsLoosePointsBeforeTheyCanHideOthers) {
     for (int i = 0; i < 10; ++i) scene.SetDisparity(i, j, 4);
   }
   scene.SetDisparity(5, 4, 30);  // alone before the wall
-  RefineConfig config = PaperRules();
-  config.set_hidden_reach(0.8);
-  config.set_hidden_core(0.8);  // one colour: the images say nothing
-  EXPECT_GT(scene.Refine(config)->hidden, 0);
-  config.set_loose_tolerance_px(2);
-  const auto result = scene.Refine(config);
+  EXPECT_GT(scene.Refine(PaperAnd(kHiding))->hidden, 0);
+  const auto result = scene.Refine(PaperAnd(kHiding + " loose_tolerance_px: 2"));
   EXPECT_EQ(result->loose, 1);
   EXPECT_EQ(result->hidden, 0);
 }
@@ -244,9 +233,7 @@ TEST(Refiner, SaysWhatIsWrongWithSizes) {
 }
 
 TEST(Refiner, RefusesAToleranceOutOfRange) {
-  RefineConfig config;
-  config.set_background_tolerance_px(-1);
-  EXPECT_THROW(Refiner{config}, ConfigError);
+  EXPECT_THROW(Refiner{With<RefineConfig>("background_tolerance_px: -1")}, ConfigError);
 }
 
 TEST(Refiner, TakesSeedsFromThePairWhereThereIsNoReturn) {
@@ -261,9 +248,7 @@ TEST(Refiner, TakesSeedsFromThePairWhereThereIsNoReturn) {
   scene.tof = {};
   scene.rig.tof = {};  // nothing at all
   EXPECT_EQ(*scene.Refine(RefineConfig()), *blind);
-  RefineConfig without;
-  without.set_stereo_seeds(false);
-  EXPECT_TRUE(scene.Refine(without)->seeds.empty());
+  EXPECT_TRUE(scene.Refine(With<RefineConfig>("stereo_seeds: false"))->seeds.empty());
 }
 
 TEST(Refiner, BelievesNoPointOfASensorThatGivesNoise) {
@@ -273,9 +258,7 @@ TEST(Refiner, BelievesNoPointOfASensorThatGivesNoise) {
   for (int j = 0; j < 8; ++j) {
     for (int i = 0; i < 10; ++i) scene.SetDisparity(i, j, random.uniform(2.0, 25.0));
   }
-  RefineConfig config;
-  config.set_range_bias(RefineConfig::OFF);  // which may contradict them before
-  Refiner refiner(config);
+  Refiner refiner(With<RefineConfig>("range_bias: OFF"));  // which may contradict them before
   const auto seeds = refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig));
   EXPECT_TRUE(refiner.found().are_noise);
   EXPECT_GT(seeds->loose, 30);
@@ -338,9 +321,8 @@ TEST(Refiner, PutsSeedsOfThePairBehindThoseOfTheTofCamera) {
   for (int j = 0; j < 8; ++j) {
     for (int i = 0; i < 5; ++i) scene.SetDisparity(i, j, 12);
   }
-  RefineConfig config;
-  config.set_range_error_m(0.001);  // 40 points are too few to show how far they are off
-  const auto both = scene.Refine(config);
+  // 40 points are too few to show how far they are off.
+  const auto both = scene.Refine(With<RefineConfig>("range_error_m: 0.001"));
   const auto first_of_stereo =
       std::find_if(both->seeds.begin(), both->seeds.end(),
                    [](const Seed& seed) { return seed.origin == SeedOrigin::kStereo; });
@@ -366,9 +348,8 @@ TEST(Refiner, KnowsThatNoiseInMetresGrowsWithTheDisparity) {
   for (float& depth_m : scene.tof.depth_m) {
     depth_m += static_cast<float>(random.gaussian(noise_m));
   }
-  RefineConfig config;
-  config.set_range_bias(RefineConfig::OFF);  // the images show something else
-  const auto seeds = scene.Refine(config);
+  // The images show something else.
+  const auto seeds = scene.Refine(With<RefineConfig>("range_bias: OFF"));
   const auto sigma_px = [&](float disparity) {
     for (const Seed& seed : seeds->seeds) {
       if (std::abs(seed.disparity() - disparity) < 0.1F) return seed.sigma_px;

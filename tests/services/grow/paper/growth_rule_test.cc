@@ -4,22 +4,24 @@
 
 #include <cmath>
 
+#include "tests/common/config/with.h"
+
 namespace sprout::grow {
 namespace {
 
+GrowthRule Rule(const std::string& config) { return MakeGrowthRule(With<GrowConfig>(config)); }
+
 TEST(GrowthRule, LimitIsTheCostOfTheThreshold) {
-  GrowConfig config;  // τ = 0.5
-  EXPECT_EQ(MakeGrowthRule(config).limit, std::lround(std::log(2.0) * kCostUnit));
-  config.set_similarity(GrowConfig::MNCC);
-  EXPECT_EQ(MakeGrowthRule(config).limit, kCostUnit / 2);
-  config.set_similarity(GrowConfig::EXPSSD);
-  config.set_threshold(0.001);  // the smallest
-  EXPECT_EQ(MakeGrowthRule(config).limit, std::lround(std::log(1000.0) * kCostUnit));
-  EXPECT_LT(MakeGrowthRule(config).limit, kLargestCost);
+  // τ = 0.5 by default.
+  EXPECT_EQ(Rule("").limit, std::lround(std::log(2.0) * kCostUnit));
+  EXPECT_EQ(Rule("similarity: MNCC").limit, kCostUnit / 2);
+  const GrowthRule smallest = Rule("similarity: EXPSSD threshold: 0.001");
+  EXPECT_EQ(smallest.limit, std::lround(std::log(1000.0) * kCostUnit));
+  EXPECT_LT(smallest.limit, kLargestCost);
 }
 
 TEST(GrowthRule, LevelsHaveEqualWidthsUpToTheLimit) {
-  const GrowthRule rule = MakeGrowthRule(GrowConfig());
+  const GrowthRule rule = Rule("");
   EXPECT_EQ(rule.LevelOf(0), 0);
   for (int level = 0; level < kLevels; ++level) {
     const double middle = (level + 0.5) / kLevels * rule.limit;
@@ -31,10 +33,8 @@ TEST(GrowthRule, LevelsHaveEqualWidthsUpToTheLimit) {
 }
 
 TEST(GrowthRule, KeysOfAcceptedCostsFitInto15Bits) {
-  for (const double threshold : {0.001, 0.5, 0.98, 0.999}) {
-    GrowConfig config;
-    config.set_threshold(threshold);
-    const GrowthRule rule = MakeGrowthRule(config);
+  for (const std::string threshold : {"0.001", "0.5", "0.98", "0.999"}) {
+    const GrowthRule rule = Rule("threshold: " + threshold);
     EXPECT_LT(rule.KeyOf(rule.limit), kKeys) << threshold;
     EXPECT_TRUE(rule.key_shift == 0 || rule.limit >> (rule.key_shift - 1) >= kKeys) << threshold;
     EXPECT_EQ(rule.KeyOf(0), 0);
@@ -43,17 +43,11 @@ TEST(GrowthRule, KeysOfAcceptedCostsFitInto15Bits) {
 }
 
 TEST(GrowthRule, WithoutAPriorEveryPixelIsOpen) {
-  GrowConfig config;
-  config.set_sigma_p_px(0.7);
-  config.set_similarity(GrowConfig::EXPSSD);
-  EXPECT_EQ(MakeGrowthRule(config).least_open, 0);
+  EXPECT_EQ(Rule("sigma_p_px: 0.7 similarity: EXPSSD").least_open, 0);
 }
 
 TEST(GrowthRule, SigmaPFollowsFormulaS1) {
-  GrowConfig config;
-  config.set_sigma_p_px(0.8);
-  config.set_sigma_p_noise(4);
-  config.set_sigma_p_sure_px(0.6);
+  auto config = With<GrowConfig>("sigma_p_px: 0.8 sigma_p_noise: 4 sigma_p_sure_px: 0.6");
   EXPECT_EQ(SigmaP(config, 0), 0.8);
   EXPECT_EQ(SigmaP(config, 0.6), 0.8);
   EXPECT_DOUBLE_EQ(SigmaP(config, 1), 4 * 0.8);  // √(1 − 0.36)
@@ -63,26 +57,15 @@ TEST(GrowthRule, SigmaPFollowsFormulaS1) {
 
 // With τ = 0.5 a distance of 7 px is within the limit from σ_p = 7 / √(2·ln 2) = 5.945 px on.
 TEST(GrowthRule, APixelIsOpenWhereThePriorAlonePassesADistanceOfSevenPixels) {
-  GrowConfig config;
-  config.set_sigma_p_noise(0);
-  config.set_sigma_p_px(5.93);
-  EXPECT_EQ(MakeGrowthRule(config).least_open, kMaxSigmaCounts + 1);
-  config.set_sigma_p_px(5.96);
-  EXPECT_EQ(MakeGrowthRule(config).least_open, 0);
+  EXPECT_EQ(Rule("sigma_p_noise: 0 sigma_p_px: 5.93").least_open, kMaxSigmaCounts + 1);
+  EXPECT_EQ(Rule("sigma_p_noise: 0 sigma_p_px: 5.96").least_open, 0);
 }
 
 // The same for a pixel: 0.849 px.
 TEST(GrowthRule, APixelHasMoreThanTwoCandidatesWhereThePriorAlonePassesADistanceOfAPixel) {
-  GrowConfig config;
-  config.set_sigma_p_noise(0);
-  config.set_sigma_p_px(0.84);
-  EXPECT_EQ(MakeGrowthRule(config).least_wide, kMaxSigmaCounts + 1);
-  config.set_sigma_p_px(0.86);
-  EXPECT_EQ(MakeGrowthRule(config).least_wide, 0);
-  config.set_sigma_p_px(0.8);
-  config.set_sigma_p_noise(1);
-  config.set_sigma_p_sure_px(0);
-  const GrowthRule rule = MakeGrowthRule(config);
+  EXPECT_EQ(Rule("sigma_p_noise: 0 sigma_p_px: 0.84").least_wide, kMaxSigmaCounts + 1);
+  EXPECT_EQ(Rule("sigma_p_noise: 0 sigma_p_px: 0.86").least_wide, 0);
+  const GrowthRule rule = Rule("sigma_p_px: 0.8 sigma_p_noise: 1 sigma_p_sure_px: 0");
   EXPECT_EQ(rule.least_wide, 14);  // of 1/16 px: 0.875; 13 are 0.8125
   EXPECT_EQ(rule.prior_scales[13], rule.prior_scales[0]) << "below, σ_p is sigma_p_px";
   EXPECT_LT(rule.prior_scales[14], rule.prior_scales[13]);

@@ -14,6 +14,7 @@
 
 #include "services/grow/grower.h"
 #include "services/grow/paper/plain_growth.h"
+#include "tests/common/config/with.h"
 #include "tests/common/core/even_prior.h"
 #include "tests/common/testing/instruction_sets.h"
 #include "tests/services/grow/grow_scenes.h"
@@ -141,8 +142,6 @@ TEST(Grower, GivesThePixelsOfPlainGrowthWherePixelsDifferInHowSureThePriorIs) {
   }
 }
 
-// A full-size scene, seeds at every 10th pixel of its ground truth, and the prior that these give
-// when they are enlarged.
 // The next larger one would be negative in a map's 16 bits.
 TEST(Grower, MatchesNothingBeyondTheLargestDisparityOfAMap) {
   const cv::Size size(1300, 40);
@@ -168,6 +167,8 @@ TEST(Grower, MatchesNothingBeyondTheLargestDisparityOfAMap) {
   }
 }
 
+// Seeds at every 10th pixel of its ground truth, and the prior that these give when they are
+// enlarged.
 TEST(Grower, GivesThePixelsOfPlainGrowthOnAFullScene) {
 #ifndef NDEBUG
   GTEST_SKIP() << "minutes without optimisation";
@@ -253,13 +254,10 @@ TEST(Grower, GivesTheSameBytesWithEveryInstructionSetAndNumberOfThreads) {
   const std::pair<GrowConfig::Similarity, double> similarities[] = {
       {GrowConfig::MNCC, 1}, {GrowConfig::EXPSSD, 1}, {GrowConfig::EPC, 2}, {GrowConfig::EPC, 0.6}};
   for (const auto& [similarity, sigma_p_px] : similarities) {
-    GrowConfig config;
+    auto config =
+        With<GrowConfig>("sigma_p_noise: 0 sigma_s_squared: 0.1 threshold: 0.3 sub_pixel: true");
     config.set_similarity(similarity);
     config.set_sigma_p_px(sigma_p_px);
-    config.set_sigma_p_noise(0);
-    config.set_sigma_s_squared(0.1);
-    config.set_threshold(0.3);
-    config.set_sub_pixel(true);
     const auto expected =
         Grower(config).Compute(scene.left, scene.right, seeds, EvenPrior(scene.prior, 1));
     ASSERT_GT(expected->CountValid(), 1000);
