@@ -5,6 +5,7 @@
 
 #include "common/scenes/dataset.h"
 #include "tests/system/graph.h"
+#include "tests/system/run_program.h"
 
 namespace sprout {
 namespace {
@@ -18,11 +19,7 @@ struct HandFrame {
   }
 
   void Send(Graph& graph, int64_t seq) const {
-    const FrameId id{.utime = 1000 + seq, .seq = seq, .rig_id = RigId(rig)};
-    graph.PublishPart(id, Part::kRig, rig);
-    graph.PublishPart(id, Part::kLeft, frame.left);
-    graph.PublishPart(id, Part::kRight, frame.right);
-    graph.PublishPart(id, Part::kTof, frame.tof);
+    graph.PublishFrame(1000 + seq, seq, rig, frame.left, frame.right, frame.tof);
   }
 
   scenes::DatasetFrame frame;
@@ -69,7 +66,7 @@ TEST(BadInputSystem, FramesWithoutToFGetAMapFromStereoAndTheStatusSaysSo) {
   const auto covered = [&](int64_t seq, bool some) {
     return graph.WaitUntil([&](Graph& g) {
       if (!g.parts.contains({Part::kDisparity, seq})) return false;
-      for (const char* stage : {"refine", "prior", "grow"}) {
+      for (const char* stage : kChain) {
         const StageStatus& status = g.statuses[stage];
         if (status.newest_frame.seq != seq) return false;
         if (some ? status.tof_coverage <= 0.5F : status.tof_coverage != 0) return false;
@@ -83,12 +80,11 @@ TEST(BadInputSystem, FramesWithoutToFGetAMapFromStereoAndTheStatusSaysSo) {
     EXPECT_TRUE(covered(seq, true)) << graph.statuses["refine"].tof_coverage;
     without->Send(graph, seq + 1);
     EXPECT_TRUE(covered(seq + 1, false)) << graph.statuses["refine"].last_error;
-    graph.WaitUntil([&](Graph& g) {
+    graph.Look([&](Graph& g) {
       const auto map = [&](int64_t of) {
         return std::get<DisparityImage>(g.parts.at({Part::kDisparity, of}));
       };
       EXPECT_GT(ShareAlike(map(seq), map(seq + 1)), 0.7) << "frame " << seq + 1;
-      return true;
     });
     seq += 2;
   }
@@ -152,14 +148,12 @@ TEST(BadInputSystem, ImagesSmallerThanTheWindowAreAnsweredEmpty) {
   }));
 }
 
-struct BadFlags {
-  std::string stage;
-  std::vector<std::string> flags;
-  std::string message;  // part of the one line
-};
-
 TEST(BadInputSystem, WrongFlagsEndWithExitCode2AndOneLine) {
-  const std::vector<BadFlags> cases = {
+  const struct {
+    std::string stage;
+    std::vector<std::string> flags;
+    std::string message;  // part of the one line
+  } cases[] = {
       {"capture", {"--source", "middlebury:/nonexistent"}, "/nonexistent"},
       {"capture", {"--source", "webcam:0"}, "webcam"},
       {"capture", {"--source", "synthetic:4x4"}, "4x4"},
@@ -187,18 +181,18 @@ TEST(BadInputSystem, WrongFlagsEndWithExitCode2AndOneLine) {
       {"view", {"--log", "/etc/passwd"}, "--log: /etc/passwd"},
 #endif
   };
-  for (const BadFlags& bad : cases) {
-    std::vector<std::string> command = {ProgramPath("sprout-" + bad.stage)};
-    command.insert(command.end(), bad.flags.begin(), bad.flags.end());
-    Process process(command);
-    EXPECT_EQ(process.Wait(), 2) << bad.stage << " " << bad.flags[0];
+  for (const auto& [stage, flags, message] : cases) {
+    SCOPED_TRACE(stage + " " + flags[0]);
+    std::vector<std::string> command = {"sprout-" + stage};
+    command.insert(command.end(), flags.begin(), flags.end());
+    const std::string said = OutputOf(command, 2);
     std::string lines;
-    std::istringstream output(process.Output());
+    std::istringstream output(said);
     for (std::string line; std::getline(output, line);) {
-      if (line.starts_with("sprout-" + bad.stage + ": ")) lines += line + "\n";
+      if (line.starts_with("sprout-" + stage + ": ")) lines += line + "\n";
     }
-    EXPECT_THAT(lines, testing::HasSubstr(bad.message)) << process.Output();
-    EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 1) << process.Output();
+    EXPECT_THAT(lines, testing::HasSubstr(message)) << said;
+    EXPECT_EQ(std::count(lines.begin(), lines.end(), '\n'), 1) << said;
   }
 }
 

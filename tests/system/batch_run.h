@@ -9,38 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "common/app/process.h"
 #include "common/bus/channels.h"
 #include "common/logfile/log_writer.h"
 #include "common/messages/codec.h"
 #include "common/scenes/dataset.h"
-#include "tests/system/eventually.h"
+#include "tests/system/run_program.h"
 
 namespace sprout {
-
-struct Outcome {
-  int exit_code;
-  std::string output;
-};
-
-/// Runs a program of this build to its end.
-/// @param before  what starts the program, with arguments.
-inline Outcome RunProgramOf(const std::vector<std::string>& words,
-                            const std::vector<std::string>& before = {}) {
-  std::vector<std::string> command = before;
-  command.insert(command.end(), words.begin(), words.end());
-  command[before.size()] = ProgramPath(words[0]);
-  Process process(command);
-  const int code = process.Wait(std::chrono::seconds(240)).value_or(-1);
-  return {code, process.Output()};
-}
-
-/// What a run writes that ends with this exit code.
-inline std::string OutputOf(const std::vector<std::string>& words, int exit_code = 0) {
-  const Outcome outcome = RunProgramOf(words);
-  EXPECT_EQ(outcome.exit_code, exit_code) << outcome.output;
-  return outcome.output;
-}
 
 /// Three stages over all logs of a folder.
 inline std::vector<std::string> RunCommand(const std::filesystem::path& logs,

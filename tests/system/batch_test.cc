@@ -10,7 +10,6 @@
 #include "services/tools/batch/manifest.h"
 #include "tests/common/testing/test_with_folder.h"
 #include "tests/system/batch_run.h"
-#include "tests/system/eventually.h"
 
 namespace sprout {
 namespace {

@@ -3,7 +3,7 @@
 #include "common/bus/channels.h"
 #include "common/bus/receiver.h"
 #include "tests/system/graph.h"
-#include "tests/system/log_bytes.h"
+#include "tests/system/run_program.h"
 
 namespace sprout {
 namespace {
@@ -55,17 +55,13 @@ TEST(CaptureLogSystem, LockstepSendsTheWholeLogAsRecordedAndNoFrameIsLost) {
   Graph graph("AGAIN_");
   RawListener listener("AGAIN_");
   graph.StartChain();
-  Process& capture =
-      graph.StartOnly("capture", {"--source", "log:" + kSampleLog.string(), "--lockstep", "1",
-                                  "--wait-for", "refine,prior,grow"});
-  EXPECT_EQ(capture.Wait(), 0) << capture.Output();
+  graph.Capture({"--source", "log:" + kSampleLog.string()});
   ASSERT_TRUE(graph.WaitUntil(HasLastDisparity));
   ExpectAsRecorded(listener.heard());
-  graph.WaitUntil([](Graph& g) {
+  graph.Look([](Graph& g) {
     for (int64_t seq = 0; seq <= kLastSeq; ++seq) {
       EXPECT_TRUE(g.parts.contains({Part::kDisparity, seq})) << seq;
     }
-    return true;
   });
 }
 
@@ -88,10 +84,9 @@ TEST(CaptureLogSystem, StockLogplayerFeedsTheGraph) {
   Graph graph;
   RawListener listener("");
   graph.StartChain();
-  Process player({"lcm-logplayer", std::string("--lcm-url=") + kDefaultLcmUrl, "-e",
-                  "SPROUT_(LEFT|RIGHT|TOF|RIG)", kSampleLog});
-  EXPECT_EQ(player.Wait(), 0) << player.Output();
-  EXPECT_TRUE(graph.WaitUntil(HasLastDisparity)) << player.Output();
+  const std::string said = OutputOf({"lcm-logplayer", std::string("--lcm-url=") + kDefaultLcmUrl,
+                                     "-e", "SPROUT_(LEFT|RIGHT|TOF|RIG)", kSampleLog});
+  EXPECT_TRUE(graph.WaitUntil(HasLastDisparity)) << said;
   ExpectAsRecorded(listener.heard());
 }
 

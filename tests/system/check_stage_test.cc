@@ -10,7 +10,7 @@
 
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/graph.h"
-#include "tests/system/log_bytes.h"
+#include "tests/system/run_program.h"
 
 namespace sprout {
 namespace {
@@ -28,14 +28,12 @@ struct Verdict {
 // @param arguments  flags and the name of the stage.
 // @param command    the program that is checked.
 Verdict Check(const std::vector<std::string>& arguments, const std::vector<std::string>& command) {
-  std::vector<std::string> check = {ProgramPath("sprout-check-stage")};
+  std::vector<std::string> check = {"sprout-check-stage"};
   check.insert(check.end(), arguments.begin(), arguments.end());
   check.push_back("--");
   check.insert(check.end(), command.begin(), command.end());
-  Process process(check);
-  Verdict verdict{.exit_code = process.Wait(std::chrono::seconds(240)).value_or(-1),
-                  .wrong = {},
-                  .output = process.Output()};
+  const auto [exit_code, output] = RunProgramOf(check);
+  Verdict verdict{.exit_code = exit_code, .wrong = {}, .output = output};
   std::istringstream lines(verdict.output);
   for (std::string line; std::getline(lines, line);) {
     if (line.starts_with("WRONG")) verdict.wrong.push_back(line);

@@ -51,13 +51,26 @@ Process& Graph::Start(const std::string& stage, std::vector<std::string> flags) 
   return process;
 }
 
-void Graph::StartChain() {
-  for (const char* stage : kChain) Start(stage, {"--config", "default"});
+void Graph::StartChain(const std::vector<std::string>& flags) {
+  for (const char* stage : kChain) Start(stage, flags);
+}
+
+void Graph::Capture(std::vector<std::string> flags, std::chrono::seconds timeout) {
+  std::string stages;
+  for (const auto& [stage, process] : processes_) stages += (stages.empty() ? "" : ",") + stage;
+  flags.insert(flags.end(), {"--lockstep", "1", "--wait-for", stages});
+  Process& capture = StartOnly("capture", flags);
+  if (capture.Wait(timeout) != 0) throw std::runtime_error("capture failed:\n" + capture.Output());
 }
 
 bool Graph::WaitUntil(const std::function<bool(Graph&)>& condition, std::chrono::seconds timeout) {
   std::unique_lock lock(mutex_);
   return changed_.wait_for(lock, timeout, [&] { return condition(*this); });
+}
+
+void Graph::Look(const std::function<void(Graph&)>& look) {
+  const std::lock_guard lock(mutex_);
+  look(*this);
 }
 
 void Graph::Publish(std::string_view channel, std::span<const uint8_t> bytes) {
@@ -66,6 +79,15 @@ void Graph::Publish(std::string_view channel, std::span<const uint8_t> bytes) {
 
 void Graph::PublishPart(const FrameId& id, Part part, const PartValue& value) {
   Publish(ChannelOf(part), EncodePart(id, part, value));
+}
+
+void Graph::PublishFrame(int64_t utime, int64_t seq, const Rig& rig, const cv::Mat& left,
+                         const cv::Mat& right, const TofImage& tof) {
+  const FrameId id{.utime = utime, .seq = seq, .rig_id = RigId(rig)};
+  PublishPart(id, Part::kRig, rig);
+  PublishPart(id, Part::kLeft, left);
+  PublishPart(id, Part::kRight, right);
+  PublishPart(id, Part::kTof, tof);
 }
 
 }  // namespace sprout

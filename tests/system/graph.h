@@ -38,8 +38,14 @@ class Graph {
   /// Starts sprout-STAGE without waiting.
   Process& StartOnly(const std::string& stage, std::vector<std::string> flags = {});
 
-  /// Starts the stages of kChain with preset default, and waits for their first statuses.
-  void StartChain();
+  /// Starts the stages of kChain, and waits for their first statuses.
+  void StartChain(const std::vector<std::string>& flags = {"--config", "default"});
+
+  /// Runs sprout-capture to its end, with all stages that were started before it: each frame is
+  /// sent when the one before is answered.
+  /// @throws std::runtime_error when it fails, or takes longer than `timeout`.
+  void Capture(std::vector<std::string> flags,
+               std::chrono::seconds timeout = std::chrono::seconds(30));
 
   Process& process(const std::string& stage) { return *processes_.at(stage); }
 
@@ -47,11 +53,17 @@ class Graph {
   bool WaitUntil(const std::function<bool(Graph&)>& condition,
                  std::chrono::seconds timeout = std::chrono::seconds(30));
 
+  /// Shows what was received so far.
+  void Look(const std::function<void(Graph&)>& look);
+
   /// Sends any bytes on a channel.
   void Publish(std::string_view channel, std::span<const uint8_t> bytes);
   void PublishPart(const FrameId& id, Part part, const PartValue& value);
+  /// Sends what capture sends of a frame, with the name of the rig.
+  void PublishFrame(int64_t utime, int64_t seq, const Rig& rig, const cv::Mat& left,
+                    const cv::Mat& right, const TofImage& tof);
 
-  // What was received; only inside WaitUntil(), or when no process is running.
+  // What was received; only inside WaitUntil() and Look(), or when no process is running.
   std::map<std::string, StageStatus> statuses;          // newest of each stage
   std::map<std::pair<Part, int64_t>, PartValue> parts;  // newest by (part, seq)
   std::map<std::pair<Part, int64_t>, int> part_counts;  // how often each came

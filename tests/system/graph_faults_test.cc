@@ -15,21 +15,20 @@
 #include "common/logfile/log_reader.h"
 #include "common/scenes/dataset.h"
 #include "tests/common/picture/temporary_directory.h"
-#include "tests/system/eventually.h"
 #include "tests/system/graph.h"
 #include "tests/system/graph_record.h"
+#include "tests/system/run_program.h"
 #include "tests/system/slope.h"
 
 namespace sprout {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr int64_t kHourUs = 3'600'000'000;
-
-void StartStages(Graph& graph, const std::vector<std::string>& flags = {"--config", "default"}) {
-  for (const char* stage : kChain) graph.Start(stage, flags);
-}
+const std::string kRecord = SPROUT_SOURCE_DIR "/scripts/record";
 
 std::map<GraphRecord::Key, GraphRecord::Heard> FramesOf(GraphRecord& record) {
   std::map<GraphRecord::Key, GraphRecord::Heard> frames;
@@ -52,22 +51,18 @@ void ExpectNoneWrong(GraphRecord& record, int64_t least) {
 TEST(ClockSystem, AnHourOffEitherWayLosesNothingAndIsSaid) {
   Graph graph;
   GraphRecord record(kDefaultLcmUrl);
-  StartStages(graph);
+  graph.StartChain();
   const auto source = scenes::OpenDataset("synthetic:160x120");
-  const std::string rig_id = RigId(source->rig());
   int64_t sent = 0;
   const auto send = [&](int64_t seq, int64_t offset_us) {
     const scenes::DatasetFrame frame = source->Get(seq);
     const auto now = std::chrono::duration_cast<std::chrono::microseconds>(
         std::chrono::system_clock::now().time_since_epoch());
-    const FrameId id{.utime = now.count() + offset_us, .seq = seq, .rig_id = rig_id};
-    graph.PublishPart(id, Part::kRig, source->rig());
-    graph.PublishPart(id, Part::kLeft, frame.left);
-    graph.PublishPart(id, Part::kRight, frame.right);
-    graph.PublishPart(id, Part::kTof, frame.tof);
+    const int64_t utime = now.count() + offset_us;
+    graph.PublishFrame(utime, seq, source->rig(), frame.left, frame.right, frame.tof);
     ++sent;
     EXPECT_TRUE(record.WaitUntil([&](GraphRecord& r) {
-      const auto heard = r.frames.find({id.utime, id.seq});
+      const auto heard = r.frames.find({utime, seq});
       return heard != r.frames.end() && heard->second.at.contains(Part::kDisparity);
     })) << "frame "
         << seq << ", clock off by " << offset_us;
@@ -80,12 +75,11 @@ TEST(ClockSystem, AnHourOffEitherWayLosesNothingAndIsSaid) {
   for (int64_t seq = 0; seq < 15; ++seq) send(seq, 0);             // started again, later
   for (int64_t seq = 0; seq < 15; ++seq) send(seq, -2 * kHourUs);  // and earlier
   EXPECT_TRUE(graph.WaitUntil([&](Graph& g) { return g.statuses["grow"].frames_out == sent; }));
-  graph.WaitUntil([](Graph& g) {
+  graph.Look([](Graph& g) {
     for (const char* stage : kChain) {
       EXPECT_EQ(CountedLost(g.statuses[stage]), 0) << stage;
       EXPECT_LT(g.statuses[stage].age.p50_ms, 3.0 * 3'600'000) << stage;
     }
-    return true;
   });
   ExpectNoneWrong(record, sent);
 }
@@ -93,7 +87,7 @@ TEST(ClockSystem, AnHourOffEitherWayLosesNothingAndIsSaid) {
 TEST(TwoCapturesSystem, AreReportedAndNotMixed) {
   Graph graph;
   GraphRecord record(kDefaultLcmUrl);
-  StartStages(graph);
+  graph.StartChain();
   graph.Start("capture", {"--source", "synthetic:160x120", "--rate", "7"});
   // Another scene: a mixture would give other maps.
   Process second({ProgramPath("sprout-capture"), "--source", "synthetic:160x120?tof=sr4000",
@@ -117,7 +111,7 @@ TEST(TwoCapturesSystem, AreReportedAndNotMixed) {
 
 TEST(SleepingSubscriberSystem, HoldsNobodyUpAndGoesOn) {
   Graph graph;
-  StartStages(graph);
+  graph.StartChain();
   graph.Start("depth", {"--config", "default"});
   Process& depth = graph.process("depth");
   depth.Signal(SIGSTOP);
@@ -166,10 +160,8 @@ TEST(FullDiskSystem, RecordSaysSoAndKeepsTheLog) {
   if (!disk.mounted()) GTEST_SKIP() << "no file system can be mounted here";
   Graph graph;
   graph.Start("capture", {"--source", "synthetic:640x480", "--rate", "10"});
-  Process record(
-      {std::string(SPROUT_SOURCE_DIR) + "/scripts/record", "--dir", folder / "disk", "run"});
-  EXPECT_EQ(record.Wait(std::chrono::seconds(60)), 1);
-  EXPECT_THAT(record.Output(), HasSubstr("No space left on device"));
+  EXPECT_THAT(OutputOf({kRecord, "--dir", folder / "disk", "run"}, 1, std::chrono::seconds(60)),
+              HasSubstr("No space left on device"));
   EXPECT_GT(EventsIn(folder / "disk/run.lcm"), 20);
 }
 
@@ -179,21 +171,18 @@ TEST(FullDiskSystem, RecordDoesNotBlameACaptureThatRuns) {
   if (!disk.mounted()) GTEST_SKIP() << "no file system can be mounted here";
   Graph graph;
   graph.Start("capture", {"--source", "synthetic:640x480", "--rate", "10"});
-  Process record({std::string(SPROUT_SOURCE_DIR) + "/scripts/record", "--dir", folder / "disk"});
-  EXPECT_EQ(record.Wait(std::chrono::seconds(60)), 1);
-  EXPECT_THAT(record.Output(), HasSubstr("No space left on device"));
-  EXPECT_THAT(record.Output(), testing::Not(HasSubstr("is capture running")));
+  EXPECT_THAT(OutputOf({kRecord, "--dir", folder / "disk"}, 1, std::chrono::seconds(60)),
+              AllOf(HasSubstr("No space left on device"), Not(HasSubstr("is capture running"))));
 }
 
 TEST(FullDiskSystem, AReplaySaysSoAndKeepsNothingUnderTheNameOfTheLog) {
   const TemporaryDirectory folder;
   const SmallDisk disk(folder / "disk", "4k");
   if (!disk.mounted()) GTEST_SKIP() << "no file system can be mounted here";
-  const std::string sample = std::string(SPROUT_SOURCE_DIR) + "/logs/sample.lcm";
-  Process replay(
-      {ProgramPath("sprout-refine"), "--replay", sample, "--record", folder / "disk/answers.lcm"});
-  EXPECT_EQ(replay.Wait(), 1);
-  EXPECT_THAT(replay.Output(), HasSubstr("cannot be written (No space left on device)"));
+  EXPECT_THAT(
+      OutputOf({"sprout-refine", "--replay", kSampleLog, "--record", folder / "disk/answers.lcm"},
+               1),
+      HasSubstr("cannot be written (No space left on device)"));
   EXPECT_FALSE(std::filesystem::exists(folder / "disk/answers.lcm"));
 }
 
@@ -251,7 +240,7 @@ std::vector<int> PortsIn(const std::string& table) {
 
 TEST(TrustSystem, NothingListensOnTcpAndNothingLeavesTheHost) {
   Graph graph;
-  StartStages(graph);
+  graph.StartChain();
   graph.Start("depth");
   graph.Start("capture", {"--source", "synthetic:160x120", "--rate", "5"});
   ASSERT_TRUE(graph.WaitUntil([](Graph& g) { return g.statuses["depth"].frames_out > 0; }));

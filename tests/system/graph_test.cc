@@ -21,10 +21,7 @@ bool SamePixels(const DisparityImage& a, const DisparityImage& b) {
 TEST(GraphSystem, DeliversEveryFrameWithTheBytesOfTheStagesAlone) {
   Graph graph;
   graph.StartChain();
-  Process& capture =
-      graph.StartOnly("capture", {"--source", kSource, "--frames", "5", "--lockstep", "1", "--rate",
-                                  "0", "--wait-for", "refine,prior,grow"});
-  EXPECT_EQ(capture.Wait(), 0) << capture.Output();
+  graph.Capture({"--source", kSource, "--frames", "5", "--rate", "0"});
   ASSERT_TRUE(graph.WaitUntil([](Graph& g) {
     return g.parts.contains({Part::kDisparity, 4}) && g.statuses["grow"].frames_out == 5;
   }));
@@ -37,7 +34,7 @@ TEST(GraphSystem, DeliversEveryFrameWithTheBytesOfTheStagesAlone) {
         std::chrono::seconds(1)))
         << "frame " << seq;
   }
-  graph.WaitUntil([](Graph& g) {
+  graph.Look([](Graph& g) {
     for (const auto& [stage, status] : g.statuses) {
       EXPECT_EQ(status.bad_messages, 0) << stage;
       EXPECT_EQ(status.sequence_gaps, 0) << stage;
@@ -45,7 +42,6 @@ TEST(GraphSystem, DeliversEveryFrameWithTheBytesOfTheStagesAlone) {
       EXPECT_EQ(status.frames_failed, 0) << stage;
       EXPECT_EQ(status.last_error, "") << stage;
     }
-    return true;
   });
 }
 
@@ -53,28 +49,24 @@ TEST(GraphSystem, WithoutATofCameraStereoGivesTheMapAndTheStatusesSayNoCoverage)
   constexpr int kFrames = 3;
   Graph graph;
   graph.StartChain();
-  Process& capture = graph.StartOnly(
-      "capture", {"--source", kWithoutTof, "--frames", std::to_string(kFrames), "--lockstep", "1",
-                  "--rate", "0", "--wait-for", "refine,prior,grow"});
-  EXPECT_EQ(capture.Wait(), 0) << capture.Output();
+  graph.Capture({"--source", kWithoutTof, "--frames", std::to_string(kFrames), "--rate", "0"});
   ASSERT_TRUE(graph.WaitUntil([](Graph& g) {
     return g.parts.contains({Part::kDisparity, kFrames - 1}) &&
            g.statuses["grow"].frames_out == kFrames;
   }));
   const auto source = scenes::OpenDataset(kWithoutTof);
-  graph.WaitUntil([&](Graph& g) {
+  graph.Look([&](Graph& g) {
     for (int64_t seq = 0; seq < kFrames; ++seq) {
       const auto& map = std::get<DisparityImage>(g.parts.at({Part::kDisparity, seq}));
       EXPECT_GT(map.CountValid(), 0.95 * map.size().area()) << "frame " << seq;
       EXPECT_GT(CorrectPercent(map, source->Get(seq).truth), 80) << "frame " << seq;
       EXPECT_TRUE(SamePixels(map, ComputeInProcess(kWithoutTof, seq))) << "frame " << seq;
     }
-    for (const char* stage : {"refine", "prior", "grow"}) {
+    for (const char* stage : kChain) {
       const StageStatus& status = g.statuses[stage];
       EXPECT_EQ(status.tof_coverage, 0) << stage;
       EXPECT_EQ(status.frames_degenerate, 0) << stage << ": " << status.last_error;
     }
-    return true;
   });
 }
 
@@ -82,14 +74,11 @@ TEST(GraphSystem, TwoGraphsRunSideBySideUnderTwoPrefixes) {
   Graph one("ONE_");
   Graph two("TWO_");
   one.StartChain();
-  Process& capture = one.StartOnly("capture", {"--source", kSource, "--frames", "2", "--lockstep",
-                                               "1", "--wait-for", "refine,prior,grow"});
-  EXPECT_EQ(capture.Wait(), 0) << capture.Output();
+  one.Capture({"--source", kSource, "--frames", "2"});
   EXPECT_TRUE(one.WaitUntil([](Graph& g) { return g.parts.contains({Part::kDisparity, 1}); }));
-  two.WaitUntil([](Graph& g) {
+  two.Look([](Graph& g) {
     EXPECT_TRUE(g.parts.empty());
     EXPECT_TRUE(g.statuses.empty());
-    return true;
   });
 }
 
@@ -107,13 +96,12 @@ TEST(GraphSystem, SendsAFrameAgainAndTheStagesTakeItTwice) {
     return g.statuses["capture"].state == StageStatus::State::kStopped &&
            g.statuses["refine"].newest_frame.seq == 1;
   }));
-  graph.WaitUntil([](Graph& g) {
+  graph.Look([](Graph& g) {
     EXPECT_GE(g.statuses["capture"].frames_resent, 1);
     EXPECT_EQ(g.statuses["refine"].frames_incomplete, 0);
     EXPECT_EQ(g.statuses["refine"].sequence_gaps, 0);
     EXPECT_TRUE(SamePixels(std::get<DisparityImage>(g.parts.at({Part::kDisparity, 0})),
                            ComputeInProcess(kSource, 0)));
-    return true;
   });
 }
 
@@ -163,10 +151,7 @@ TEST(GraphSystem, SkipsAndCountsFramesThatComeTooFast) {
            grow.frames_out + grow.frames_skipped + grow.frames_incomplete + grow.sequence_gaps ==
                40;
   }));
-  graph.WaitUntil([](Graph& g) {
-    EXPECT_GT(g.statuses["grow"].frames_skipped, 0);
-    return true;
-  });
+  graph.Look([](Graph& g) { EXPECT_GT(g.statuses["grow"].frames_skipped, 0); });
   graph.WaitUntil(count_answers);
   EXPECT_LE(answered, answered_before + 2);
 }

@@ -3,6 +3,7 @@
 #include <csignal>
 
 #include "tests/system/graph.h"
+#include "tests/system/run_program.h"
 
 namespace sprout {
 namespace {
@@ -49,18 +50,19 @@ TEST(LifecycleSystem, StatusComesOnceASecond) {
 TEST(LifecycleSystem, WithoutAMulticastRouteAServiceSaysHowToAddOne) {
   // One more network inside ours, with nothing but a loopback device.
   for (const char* stage : {"capture", "refine", "prior", "grow"}) {
-    Process process({"unshare", "--net", "sh", "-c", "ip link set lo up && exec \"$0\"",
-                     ProgramPath(std::string("sprout-") + stage)});
-    EXPECT_EQ(process.Wait(std::chrono::seconds(15)), 1) << stage << process.Output();
-    EXPECT_THAT(process.Output(), HasSubstr(": no multicast route to 239.255.76.67; add one: ip "));
+    EXPECT_THAT(OutputOf({"unshare", "--net", "sh", "-c", "ip link set lo up && exec \"$0\"",
+                          ProgramPath(std::string("sprout-") + stage)},
+                         1, std::chrono::seconds(15)),
+                HasSubstr(": no multicast route to 239.255.76.67; add one: ip "));
   }
 }
 
 TEST(LifecycleSystem, WithoutARouteToOtherHostsItIsNotLedOverTheLoopbackDevice) {
-  Process process({"unshare", "--net", "sh", "-c", "ip link set lo up && exec \"$0\" \"$@\"",
-                   ProgramPath("sprout-prior"), "--lcm-url", "udpm://239.255.76.67:7667?ttl=1"});
-  EXPECT_EQ(process.Wait(std::chrono::seconds(15)), 1) << process.Output();
-  EXPECT_THAT(process.Output(), HasSubstr("add one: ip route add 239.255.76.67/32 dev DEVICE, "));
+  EXPECT_THAT(
+      OutputOf({"unshare", "--net", "sh", "-c", "ip link set lo up && exec \"$0\" \"$@\"",
+                ProgramPath("sprout-prior"), "--lcm-url", "udpm://239.255.76.67:7667?ttl=1"},
+               1, std::chrono::seconds(15)),
+      HasSubstr("add one: ip route add 239.255.76.67/32 dev DEVICE, "));
 }
 
 TEST(LifecycleSystem, CaptureSaysWhichStageIsMissing) {

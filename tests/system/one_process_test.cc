@@ -11,21 +11,17 @@
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/graph.h"
 #include "tests/system/in_process.h"
-#include "tests/system/log_bytes.h"
+#include "tests/system/run_program.h"
 
 namespace sprout {
 namespace {
 
 constexpr char kSource[] = "synthetic:320x240";
 
-// The answers of a program to the sample and further logs.
-ChannelBytes Replay(const std::string& program, const std::string& config,
-                    const std::vector<std::filesystem::path>& logs,
-                    const std::filesystem::path& record) {
-  std::vector<std::string> command = {ProgramPath(program), "--config", config, "--record", record};
-  for (const auto& log : logs) command.insert(command.end(), {"--replay", log});
-  Process process(command);
-  EXPECT_EQ(process.Wait(std::chrono::seconds(120)), 0) << process.Output();
+ChannelBytes AnswersOf(const std::string& program, const std::string& config,
+                       const std::vector<std::filesystem::path>& logs,
+                       const std::filesystem::path& record) {
+  Replay(program, config, logs, record);
   ChannelBytes channels = ReadChannels(record);
   EXPECT_EQ(channels.erase(std::string(kProcessChannel)), 1U);
   return channels;
@@ -39,11 +35,11 @@ TEST(OneProcessSystem, ReplayGivesTheBytesOfTheThreeStages) {
   for (const std::string& config : {std::string("default"), std::string("paper"), without_prior}) {
     const auto seeds = folder / "seeds.lcm";
     const auto prior = folder / "prior.lcm";
-    ChannelBytes three = Replay("sprout-refine", config, {kSampleLog}, seeds);
-    three.merge(Replay("sprout-prior", config, {kSampleLog, seeds}, prior));
-    three.merge(Replay("sprout-grow", config, {kSampleLog, seeds, prior}, folder / "grow.lcm"));
+    ChannelBytes three = AnswersOf("sprout-refine", config, {kSampleLog}, seeds);
+    three.merge(AnswersOf("sprout-prior", config, {kSampleLog, seeds}, prior));
+    three.merge(AnswersOf("sprout-grow", config, {kSampleLog, seeds, prior}, folder / "grow.lcm"));
     const ChannelBytes one =
-        Replay("sprout-pipeline", config, {kSampleLog}, folder / "pipeline.lcm");
+        AnswersOf("sprout-pipeline", config, {kSampleLog}, folder / "pipeline.lcm");
     ASSERT_TRUE(one.contains("SPROUT_DISPARITY")) << config;
     EXPECT_TRUE(one.contains("SPROUT_PRIOR")) << config;
     EXPECT_EQ(one.contains("SPROUT_UNFILLED"), config == without_prior);
@@ -91,13 +87,14 @@ TEST(OneProcessSystem, FusesFramesToTheBytesOfSproutTemporal) {
     return step.frames_out == kFrames && step.frames_degenerate == 0 &&
            step.pid == g.statuses["pipeline"].pid && step.tof_coverage == kUnknownCoverage;
   }));
-  ChannelBytes one = Replay("sprout-pipeline", config, {folder / "in.lcm"}, folder / "one.lcm");
+  ChannelBytes one = AnswersOf("sprout-pipeline", config, {folder / "in.lcm"}, folder / "one.lcm");
   for (const Part part : kFusedParts) {
     EXPECT_TRUE(one.at(std::string(ChannelOf(part))) == live.at(part)) << ChannelOf(part);
   }
-  ChannelBytes apart = Replay("sprout-pipeline", "default", {folder / "in.lcm"}, folder / "c.lcm");
-  apart.merge(Replay("sprout-temporal", "default", {folder / "in.lcm", folder / "c.lcm"},
-                     folder / "temporal.lcm"));
+  ChannelBytes apart =
+      AnswersOf("sprout-pipeline", "default", {folder / "in.lcm"}, folder / "c.lcm");
+  apart.merge(AnswersOf("sprout-temporal", "default", {folder / "in.lcm", folder / "c.lcm"},
+                        folder / "temporal.lcm"));
   EXPECT_TRUE(one == apart);
   EXPECT_FALSE(one.at("SPROUT_FUSED").back() == one.at("SPROUT_DISPARITY").back());
 }
@@ -107,9 +104,9 @@ TEST(OneProcessSystem, ComputesMapsWithoutTheMotionThatOnlyTheMemoryNeeds) {
   const TemporaryDirectory folder;
   const std::string config = "temporal { in_pipeline: true motion: CHANNEL }";
   const ChannelBytes given =
-      Replay("sprout-pipeline", config, {kSampleLog}, folder / "without.lcm");
+      AnswersOf("sprout-pipeline", config, {kSampleLog}, folder / "without.lcm");
   const ChannelBytes plain =
-      Replay("sprout-pipeline", "default", {kSampleLog}, folder / "plain.lcm");
+      AnswersOf("sprout-pipeline", "default", {kSampleLog}, folder / "plain.lcm");
   for (const auto& [channel, messages] : plain) {
     EXPECT_TRUE(given.at(channel) == messages) << channel;
   }
@@ -130,9 +127,9 @@ TEST(OneProcessSystem, AnswersEveryFrameAndReportsItsStepsUnderTheNamesOfTheProc
     }
     return true;
   }));
-  graph.WaitUntil([](Graph& g) {
+  graph.Look([](Graph& g) {
     const StageStatus& whole = g.statuses["pipeline"];
-    for (const char* stage : {"refine", "prior", "grow"}) {
+    for (const char* stage : kChain) {
       const StageStatus& step = g.statuses[stage];
       EXPECT_EQ(step.frames_in, whole.frames_in) << stage;
       EXPECT_EQ(step.newest_frame.seq, kFrames - 1) << stage;
@@ -156,7 +153,6 @@ TEST(OneProcessSystem, AnswersEveryFrameAndReportsItsStepsUnderTheNamesOfTheProc
       EXPECT_EQ(cv::countNonZero(map.counts() != ComputeInProcess(kSource, seq).counts()), 0)
           << seq;
     }
-    return true;
   });
   pipeline.Signal(SIGTERM);
   EXPECT_EQ(pipeline.Wait(), 0) << pipeline.Output();
@@ -196,13 +192,12 @@ TEST(OneProcessSystem, RefusesFlagsOfFilesThatCannotBeUsedInOneLine) {
       {{"--focal-px", "100", "--baseline-m", "1", "--tof-rig", "tof"}, "--tof-rig requires --tof "},
   };
   for (const auto& [flags, text] : table) {
-    std::vector<std::string> command = {ProgramPath("sprout-pipeline"), "--log-level", "error"};
+    std::vector<std::string> command = {"sprout-pipeline", "--log-level", "error"};
     command.insert(command.end(), good.begin(), good.end());
     command.insert(command.end(), flags.begin(), flags.end());
-    Process process(command);
-    EXPECT_EQ(process.Wait(), 2) << text << "\n" << process.Output();
-    EXPECT_THAT(process.Output(), testing::HasSubstr(text));
-    EXPECT_EQ(std::ranges::count(process.Output(), '\n'), 1) << process.Output();
+    const std::string said = OutputOf(command, 2);
+    EXPECT_THAT(said, testing::HasSubstr(text));
+    EXPECT_EQ(std::ranges::count(said, '\n'), 1) << said;
   }
 }
 

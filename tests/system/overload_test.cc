@@ -56,11 +56,7 @@ class Frames {
   }
 
   void Send() {
-    const FrameId id{.utime = NowUtime(), .seq = sent_++, .rig_id = RigId(rig_)};
-    graph_.PublishPart(id, Part::kRig, rig_);
-    graph_.PublishPart(id, Part::kLeft, frame_.left);
-    graph_.PublishPart(id, Part::kRight, frame_.right);
-    graph_.PublishPart(id, Part::kTof, frame_.tof);
+    graph_.PublishFrame(NowUtime(), sent_++, rig_, frame_.left, frame_.right, frame_.tof);
   }
 
   int sent() const { return static_cast<int>(sent_); }

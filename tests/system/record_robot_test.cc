@@ -13,7 +13,7 @@
 #include "common/messages/codec.h"
 #include "tests/common/testing/test_with_folder.h"
 #include "tests/system/graph.h"
-#include "tests/system/log_bytes.h"
+#include "tests/system/run_program.h"
 
 namespace sprout {
 namespace {
@@ -137,10 +137,10 @@ TEST_F(RecordRobot, NamesChannelsOnWhichNothingCame) {
 }
 
 TEST_F(RecordRobot, SaysSoWhenNothingCameIntoTheRing) {
-  Process record({ProgramPath("sprout-record"), "--dir", folder_ / "logs", "--ring", "5",
-                  "--channel-prefix", "NOBODY_", "--seconds", "1"});
-  EXPECT_EQ(record.Wait(), 1);
-  EXPECT_THAT(record.Output(), HasSubstr("nothing came; is the graph running"));
+  EXPECT_THAT(OutputOf({"sprout-record", "--dir", folder_ / "logs", "--ring", "5",
+                        "--channel-prefix", "NOBODY_", "--seconds", "1"},
+                       1),
+              HasSubstr("nothing came; is the graph running"));
 }
 
 TEST_F(RecordRobot, KeepsWhatAMessageOrALowConfidenceAsksFor) {
@@ -268,8 +268,7 @@ TEST_F(RecordRobot, LosesNothingWhenItsClockIsSetOnAndBack) {
   EXPECT_NEAR(steps_s[1], -3 * 3600, 1);
 
   const fs::path answers = folder_ / "answers.lcm";
-  Process refine({ProgramPath("sprout-refine"), "--replay", log, "--record", answers});
-  ASSERT_EQ(refine.Wait(std::chrono::seconds(60)), 0) << refine.Output();
+  Replay("sprout-refine", "default", {log}, answers);
   EXPECT_GE(SeqsOf(ReadChannels(answers), Part::kSeeds).size(), seqs.size() - 5);
 }
 
@@ -288,10 +287,8 @@ TEST_F(RecordRobot, SaysThatTheFolderHasVanished) {
 TEST_F(RecordRobot, RefusesFlagsThatCannotWork) {
   const fs::path logs = folder_ / "logs";
   const auto output_of = [&](std::vector<std::string> flags) {
-    flags.insert(flags.begin(), {ProgramPath("sprout-record"), "--dir", logs});
-    Process record(flags);
-    EXPECT_EQ(record.Wait(), 2) << record.Output();
-    return record.Output();
+    flags.insert(flags.begin(), {"sprout-record", "--dir", logs});
+    return OutputOf(flags, 2);
   };
   EXPECT_THAT(output_of({"--after", "3"}), HasSubstr("--after requires --ring"));
   EXPECT_THAT(output_of({"--channels", "SPROUT_.*"}), HasSubstr("--channels 'SPROUT_.*': allowed"));

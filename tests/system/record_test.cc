@@ -12,7 +12,7 @@
 #include "common/messages/packed.h"
 #include "tests/common/testing/test_with_folder.h"
 #include "tests/system/graph.h"
-#include "tests/system/log_bytes.h"
+#include "tests/system/run_program.h"
 
 namespace sprout {
 namespace {
@@ -22,7 +22,7 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsSubsetOf;
 
-const std::string kRecord = std::string(SPROUT_SOURCE_DIR) + "/scripts/record";
+const std::string kRecord = SPROUT_SOURCE_DIR "/scripts/record";
 
 /// Whether a program runs that was given this argument.
 bool SomebodyHas(const std::string& argument) {
@@ -50,24 +50,30 @@ std::vector<std::string> ChannelNames(const ChannelBytes& channels) {
   return names;
 }
 
-class RecordSystem : public TestWithFolder {};
+class RecordSystem : public TestWithFolder {
+ protected:
+  // What scripts/record writes that ends with this exit code.
+  std::string Record(std::vector<std::string> flags, int exit_code = 0) const {
+    flags.insert(flags.begin(), {kRecord, "--dir", folder_ / "logs"});
+    return OutputOf(flags, exit_code);
+  }
+};
 
 TEST_F(RecordSystem, WritesTheRawChannelsWithoutAGap) {
   Graph graph;
   graph.Start("refine");
   graph.Start("capture", {"--source", "synthetic:160x120", "--rate", "20"});
-  Process record({kRecord, "--dir", folder_ / "logs", "--seconds", "2", "run"});
-  EXPECT_TRUE(record.Wait()) << record.Output();
+  const std::string said = Record({"--seconds", "2", "run"});
   const ChannelBytes channels = ReadChannels(folder_ / "logs/run.lcm");
   EXPECT_THAT(ChannelNames(channels),
               testing::UnorderedElementsAre("SPROUT_LEFT", "SPROUT_PROCESS", "SPROUT_RIG",
                                             "SPROUT_RIGHT", "SPROUT_STATUS", "SPROUT_TOF"))
-      << record.Output();
+      << said;
   const auto& left = channels.at("SPROUT_LEFT");
   EXPECT_GE(left.size(), 20U);
   int64_t expected = DecodePart(Part::kLeft, left.front())->id.seq;
   for (const auto& bytes : left) {
-    EXPECT_EQ(DecodePart(Part::kLeft, bytes)->id.seq, expected++) << record.Output();
+    EXPECT_EQ(DecodePart(Part::kLeft, bytes)->id.seq, expected++) << said;
   }
 }
 
@@ -76,8 +82,7 @@ TEST_F(RecordSystem, HasWhatEveryProcessIsAlthoughItBeginsLater) {
   graph.Start("refine");
   graph.Start("capture", {"--source", "synthetic:160x120", "--rate", "20"});
   ASSERT_TRUE(graph.WaitUntil([&](Graph& g) { return g.statuses["refine"].frames_out > 10; }));
-  Process record({kRecord, "--dir", folder_ / "logs", "--seconds", "4", "run"});
-  EXPECT_TRUE(record.Wait()) << record.Output();
+  const std::string said = Record({"--seconds", "4", "run"});
   std::map<std::string, ProcessInfo> processes;
   const ChannelBytes channels = ReadChannels(folder_ / "logs/run.lcm");
   for (const auto& bytes : channels.at("SPROUT_PROCESS")) {
@@ -85,7 +90,7 @@ TEST_F(RecordSystem, HasWhatEveryProcessIsAlthoughItBeginsLater) {
     ASSERT_TRUE(info) << info.error().text;
     processes[info->stage] = *info;
   }
-  ASSERT_EQ(processes.size(), 2U) << record.Output();
+  ASSERT_EQ(processes.size(), 2U) << said;
   EXPECT_THAT(processes["capture"].config_text, HasSubstr("source: \"synthetic:160x120\""));
   EXPECT_EQ(processes["refine"].config_digest, graph.statuses["refine"].config_digest);
   EXPECT_EQ(processes["refine"].version, graph.statuses["refine"].version);
@@ -95,9 +100,7 @@ TEST_F(RecordSystem, RecordsInFewerBytesWhenAsked) {
   Graph graph;
   graph.Start("refine");
   graph.Start("capture", {"--source", "synthetic:160x120", "--rate", "20"});
-  Process record({kRecord, "--dir", folder_ / "logs", "--seconds", "2", "--compress", "run"});
-  EXPECT_TRUE(record.Wait()) << record.Output();
-  EXPECT_THAT(record.Output(), HasSubstr("MB of messages became"));
+  EXPECT_THAT(Record({"--seconds", "2", "--compress", "run"}), HasSubstr("MB of messages became"));
   const ChannelBytes channels = ReadChannels(folder_ / "logs/run.lcm");
   EXPECT_GE(channels.at("SPROUT_LEFT").size(), 20U);
   for (const auto& [channel, messages] : channels) {
@@ -114,17 +117,13 @@ TEST_F(RecordSystem, RecordsInFewerBytesWhenAsked) {
 
 // Live, from a log, and as JPEG.
 TEST_F(RecordSystem, ReplaysACompressedLogToTheSameBytes) {
-  const auto run = [](std::vector<std::string> command) {
-    Process process(std::move(command));
-    EXPECT_EQ(process.Wait(std::chrono::seconds(120)), 0) << process.Output();
-  };
   const std::string small = folder_ / "small.lcm";
   const std::string jpeg = folder_ / "jpeg.lcm";
-  run({ProgramPath("sprout-log"), "compress", kSampleLog, small});
-  run({ProgramPath("sprout-log"), "compress", "--jpeg", "90", kSampleLog, jpeg});
+  OutputOf({"sprout-log", "compress", kSampleLog, small});
+  OutputOf({"sprout-log", "compress", "--jpeg", "90", kSampleLog, jpeg});
   EXPECT_LT(std::filesystem::file_size(small), std::filesystem::file_size(kSampleLog));
   const auto replay = [&](const std::string& log, const char* name) {
-    run({ProgramPath("sprout-pipeline"), "--replay", log, "--record", folder_ / name});
+    Replay("sprout-pipeline", "default", {log}, folder_ / name);
     return ReadChannels(folder_ / name);
   };
   const ChannelBytes expected = replay(kSampleLog, "answers.lcm");
@@ -181,9 +180,7 @@ TEST_F(RecordSystem, LeavesNoRecorderBehind) {
 }
 
 TEST_F(RecordSystem, LeavesNoEmptyLogBehindWhenTheUrlIsBad) {
-  Process record({kRecord, "--dir", folder_ / "logs", "--lcm-url", "nonsense://", "run"});
-  EXPECT_EQ(record.Wait(), 2);
-  EXPECT_THAT(record.Output(), HasSubstr("--lcm-url"));
+  EXPECT_THAT(Record({"--lcm-url", "nonsense://", "run"}, 2), HasSubstr("--lcm-url"));
   EXPECT_TRUE(GrowingLog(folder_ / "logs").empty());
 }
 
@@ -194,9 +191,8 @@ TEST(DemoScript, RefusesASecondOneAtATime) {
   const int descriptor = open(lock.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   ASSERT_GE(descriptor, 0);
   flock(descriptor, LOCK_EX | LOCK_NB);  // when it fails, a demo is running: as good
-  Process demo({tree + "/scripts/demo", "--synthetic"});
-  EXPECT_EQ(demo.Wait(), 1);
-  EXPECT_THAT(demo.Output(), HasSubstr("another demo writes to"));
+  EXPECT_THAT(OutputOf({tree + "/scripts/demo", "--synthetic"}, 1),
+              HasSubstr("another demo writes to"));
   close(descriptor);
 }
 
@@ -210,49 +206,44 @@ TEST_F(RecordSystem, CountsNoGapsWhereDepthGivesEveryThirdFrame) {
     graph.PublishPart({.utime = 1, .seq = seq, .rig_id = "a"}, Part::kDepth, depth);
   }
   EXPECT_TRUE(graph.WaitUntil([](Graph& g) { return g.statuses["record"].frames_in == 4; }));
-  graph.WaitUntil([](Graph& g) {
+  graph.Look([](Graph& g) {
     EXPECT_EQ(g.statuses["record"].sequence_gaps, 1);  // frame 9
-    return true;
   });
 }
 
 TEST_F(RecordSystem, SaysSoWhenNoFrameCame) {
   Graph graph;
   graph.Start("refine");
-  Process record({kRecord, "--dir", folder_ / "logs", "--seconds", "4", "run"});
-  EXPECT_EQ(record.Wait(), 1);
-  EXPECT_THAT(record.Output(), HasSubstr("no frame was recorded; is capture running"));
+  EXPECT_THAT(Record({"--seconds", "4", "run"}, 1),
+              HasSubstr("no frame was recorded; is capture running"));
 }
 
 TEST(RecordScript, RefusesAFlagWithoutItsValue) {
   for (const std::string flag : {"--dir", "--channel-prefix", "--seconds"}) {
-    Process record({kRecord, "run", flag});
-    EXPECT_EQ(record.Wait(), 2) << flag;
-    EXPECT_THAT(record.Output(), testing::StartsWith("record: " + flag + " needs a "));
+    EXPECT_THAT(OutputOf({kRecord, "run", flag}, 2),
+                testing::StartsWith("record: " + flag + " needs a "));
   }
 }
 
 TEST(RecordScript, RefusesANameThatNoFileCanHave) {
   for (const std::string& name : {std::string(252, 'a'), std::string(), std::string("a/b")}) {
-    Process record({kRecord, name});
-    EXPECT_EQ(record.Wait(), 2) << name;
-    EXPECT_THAT(record.Output(), testing::StartsWith("record: "));
+    EXPECT_THAT(OutputOf({kRecord, name}, 2), testing::StartsWith("record: ")) << name;
   }
 }
 
 TEST(Scripts, TakePathsFromWhereTheyAreCalled) {
-  const auto exit_code = [](const std::string& command) {
-    Process script({"sh", "-c", "cd " SPROUT_SOURCE_DIR "/logs && exec ../scripts/" + command});
-    return script.Wait(std::chrono::seconds(60)).value_or(-1);
+  const auto run = [](const std::string& command, int exit_code) {
+    OutputOf({"sh", "-c", "cd " SPROUT_SOURCE_DIR "/logs && exec ../scripts/" + command}, exit_code,
+             std::chrono::seconds(60));
   };
-  EXPECT_EQ(exit_code("run_graph --source=log:sample.lcm --config sample.textproto"), 0);
-  EXPECT_EQ(exit_code("record --config sample.textproto --channels A --seconds 1"), 1);  // no A
+  run("run_graph --source=log:sample.lcm --config sample.textproto", 0);
+  run("record --config sample.textproto --channels A --seconds 1", 1);  // no A
 }
 
 TEST_F(RecordSystem, SaysSoWhenThereIsNothingToRecord) {
-  Process record({kRecord, "--dir=" + std::string(folder_ / "logs"), "--seconds", "1", "run"});
-  EXPECT_EQ(record.Wait(), 1);
-  EXPECT_THAT(record.Output(), HasSubstr("nothing came; is the graph running"));
+  EXPECT_THAT(
+      OutputOf({kRecord, "--dir=" + std::string(folder_ / "logs"), "--seconds", "1", "run"}, 1),
+      HasSubstr("nothing came; is the graph running"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "logs/run.lcm"));
 }
 

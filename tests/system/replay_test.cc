@@ -12,9 +12,8 @@
 #include "common/messages/codec.h"
 #include "common/scenes/dataset.h"
 #include "tests/common/picture/temporary_directory.h"
-#include "tests/system/eventually.h"
 #include "tests/system/graph.h"
-#include "tests/system/log_bytes.h"
+#include "tests/system/run_program.h"
 
 namespace sprout {
 namespace {
@@ -25,16 +24,6 @@ bool HasBytes(const std::filesystem::path& path) {
   std::error_code ignored;
   const auto size = std::filesystem::file_size(path, ignored);
   return !ignored && size > 0;
-}
-
-// Runs a stage over logs; it must succeed.
-void Replay(const std::string& stage, const std::vector<std::filesystem::path>& logs,
-            const std::filesystem::path& record) {
-  std::vector<std::string> command = {ProgramPath("sprout-" + stage), "--config", "default",
-                                      "--record", record};
-  for (const auto& log : logs) command.insert(command.end(), {"--replay", log});
-  Process process(command);
-  EXPECT_EQ(process.Wait(std::chrono::seconds(120)), 0) << process.Output();
 }
 
 // Every message of one log by its frame's number.
@@ -94,9 +83,9 @@ TEST_P(ReplayOf, GivesTheBytesThatTheLiveRunPublished) {
   const auto seeds = folder / "seeds.lcm";
   const auto prior = folder / "prior.lcm";
   const auto disparity = folder / "disparity.lcm";
-  Replay("refine", {raw}, seeds);
-  Replay("prior", {raw, seeds}, prior);
-  Replay("grow", {raw, seeds, prior}, disparity);
+  Replay("sprout-refine", "default", {raw}, seeds);
+  Replay("sprout-prior", "default", {raw, seeds}, prior);
+  Replay("sprout-grow", "default", {raw, seeds, prior}, disparity);
 
   const ChannelBytes recorded = ReadChannels(live);
   const struct {
@@ -133,8 +122,8 @@ TEST(ReplaySystem, AReplayOfARecordingWithAllChannelsGivesTheSame) {
   const TemporaryDirectory folder;
   const auto once = folder / "once.lcm";
   const auto twice = folder / "twice.lcm";
-  Replay("refine", {kSampleLog}, once);
-  Replay("refine", {kSampleLog, once}, twice);
+  Replay("sprout-refine", "default", {kSampleLog}, once);
+  Replay("sprout-refine", "default", {kSampleLog, once}, twice);
   EXPECT_EQ(ReadChannels(once), ReadChannels(twice));
 }
 
@@ -199,10 +188,10 @@ TEST(ReplaySystem, ASignalLeavesAReadableLogOfWhatWasDone) {
 
 TEST(ReplaySystem, RunsWithoutANetwork) {
   const TemporaryDirectory folder;
-  Process refine({"unshare", "--net", ProgramPath("sprout-refine"), "--replay", kSampleLog,
-                  "--record", folder / "out.lcm"});
-  EXPECT_EQ(refine.Wait(), 0) << refine.Output();
-  EXPECT_THAT(refine.Output(), testing::Not(HasSubstr(" W "))) << "no word about buffers";
+  EXPECT_THAT(OutputOf({"unshare", "--net", ProgramPath("sprout-refine"), "--replay", kSampleLog,
+                        "--record", folder / "out.lcm"}),
+              testing::Not(HasSubstr(" W ")))
+      << "no word about buffers";
 }
 
 }  // namespace

@@ -8,7 +8,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <thread>
 
-#include "common/app/process.h"
 #include "common/app/stage_monitor.h"
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
@@ -18,9 +17,8 @@
 #include "services/tools/check/test_frames.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/services/tools/calibrate/board_scene.h"
-#include "tests/system/eventually.h"
 #include "tests/system/hostile_messages.h"
-#include "tests/system/log_bytes.h"
+#include "tests/system/run_program.h"
 
 namespace sprout {
 namespace {
@@ -76,14 +74,9 @@ class RigProgramsSystem : public testing::Test {
   }
 
   // Exit code and output of sprout-capture with a source without a clock.
-  std::pair<std::optional<int>, std::string> Capture(const std::string& source,
-                                                     bool raw = true) const {
-    std::vector<std::string> command = {ProgramPath("sprout-capture"), "--source", source, "--rate",
-                                        "0"};
-    if (raw) command.push_back("--raw");
-    Process capture(command);
-    const auto code = capture.Wait(seconds(120));
-    return {code, capture.Output()};
+  static Outcome Capture(const std::string& source) {
+    return RunProgramOf({"sprout-capture", "--source", source, "--rate", "0", "--raw"},
+                        seconds(120));
   }
 
   const TemporaryDirectory folder_;
@@ -118,10 +111,10 @@ TEST_F(RigProgramsSystem, AnImageThatClaimsALotTakesNeitherMemoryNorTime) {
   for (const char* side : {"left", "right"}) {
     WriteBytes(fmt::format("{}00.pgm", side), "P5\n20000 20000\n255\n");
   }
-  Process capture({ProgramPath("sprout-capture"), "--raw", "--source",
-                   "opencv:" + File("left%02d.pgm") + "," + File("right%02d.pgm")});
-  EXPECT_EQ(capture.Wait(seconds(30)), 2) << capture.Output();
-  EXPECT_THAT(capture.Output(), HasSubstr("left00.pgm: 20000x20000 px; allowed: 1 to 16384"));
+  EXPECT_THAT(OutputOf({"sprout-capture", "--raw", "--source",
+                        "opencv:" + File("left%02d.pgm") + "," + File("right%02d.pgm")},
+                       2),
+              HasSubstr("left00.pgm: 20000x20000 px; allowed: 1 to 16384"));
 }
 
 // A rig that is watched, and somebody else on its channels.
@@ -163,13 +156,10 @@ TEST_F(RigProgramsSystem, WatchSurvivesAHostileSenderAndStillKeepsViews) {
 }
 
 TEST_F(RigProgramsSystem, TwoWatchesDoNotReplaceEachOthersViews) {
-  const std::vector<std::string> command = {ProgramPath("sprout-calibrate"), "watch", "--out",
-                                            File("views")};
-  Process first(command);
+  Process first({ProgramPath("sprout-calibrate"), "watch", "--out", File("views")});
   ASSERT_TRUE(Says(first, "view 0"));
-  Process second(command);
-  EXPECT_EQ(second.Wait(seconds(60)), 2) << second.Output();
-  EXPECT_THAT(second.Output(), HasSubstr("another sprout-calibrate watch writes there"));
+  EXPECT_THAT(OutputOf({"sprout-calibrate", "watch", "--out", File("views")}, 2, seconds(60)),
+              HasSubstr("another sprout-calibrate watch writes there"));
 }
 
 TEST_F(RigProgramsSystem, WatchSaysAtOnceThatItsFolderCannotBeWritten) {
@@ -181,9 +171,8 @@ TEST_F(RigProgramsSystem, WatchSaysAtOnceThatItsFolderCannotBeWritten) {
   std::vector<std::string> command;
   if (geteuid() == 0) command = {"setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"};
   command.insert(command.end(), {ProgramPath("sprout-calibrate"), "watch", "--out", views});
-  Process watch(command);
-  EXPECT_EQ(watch.Wait(seconds(60)), 2) << watch.Output();
-  EXPECT_THAT(watch.Output(), ContainsRegex("--out " + views.string() + "/.*: cannot be written"));
+  EXPECT_THAT(OutputOf(command, 2, seconds(60)),
+              ContainsRegex("--out " + views.string() + "/.*: cannot be written"));
 }
 
 }  // namespace

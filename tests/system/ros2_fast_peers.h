@@ -83,10 +83,7 @@ inline std::vector<std::string> Camera(const std::string& size, const std::strin
 inline StageStatus StatusOf(Graph& graph) {
   std::this_thread::sleep_for(std::chrono::milliseconds(1500));
   StageStatus status;
-  graph.WaitUntil([&](Graph& g) {
-    status = g.statuses["capture"];
-    return true;
-  });
+  graph.Look([&](Graph& g) { status = g.statuses["capture"]; });
   return status;
 }
 

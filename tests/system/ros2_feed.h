@@ -67,10 +67,7 @@ class FeedGraph {
 inline StageStatus FinalStatus(Graph& graph) {
   std::this_thread::sleep_for(std::chrono::milliseconds(1500));
   StageStatus status;
-  graph.WaitUntil([&](Graph& g) {
-    status = g.statuses.at("ros2");
-    return true;
-  });
+  graph.Look([&](Graph& g) { status = g.statuses.at("ros2"); });
   return status;
 }
 

@@ -46,10 +46,7 @@ TEST(Ros2Live, DepthOfACameraReachesTheViewerAndWhatDoesNotIsCounted) {
   // What each stage says that it did not pass on.
   long counted = 0;
   std::map<std::string, StageStatus> statuses;
-  graph.WaitUntil([&](Graph& g) {
-    statuses = g.statuses;
-    return true;
-  });
+  graph.Look([&](Graph& g) { statuses = g.statuses; });
   std::cout << camera->Output() << "captured " << of_capture.frames_out << "\n";
   for (const auto& [stage, status] : statuses) {
     std::cout << stage << ": " << status.frames_out << " out, " << status.frames_skipped

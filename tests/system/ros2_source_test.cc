@@ -8,9 +8,9 @@
 
 #include "common/messages/codec.h"
 #include "tests/common/picture/temporary_directory.h"
-#include "tests/system/eventually.h"
 #include "tests/system/graph.h"
 #include "tests/system/ros2_host.h"
+#include "tests/system/run_program.h"
 
 namespace sprout {
 namespace {
@@ -95,14 +95,13 @@ TEST(Ros2System, TakesAScanOfAnotherHost) {
   EXPECT_EQ(End(*scanner), 0);
   std::vector<cv::Mat1f> scans;
   size_t frames = 0;
-  graph.WaitUntil([&](Graph& g) {
+  graph.Look([&](Graph& g) {
     frames = g.parts.size();
     for (const auto& [key, part] : g.parts) {
       // A pair goes on without its scan when that comes late.
       const cv::Mat1f& depth_m = std::get<TofImage>(part).depth_m;
       if (!depth_m.empty()) scans.push_back(depth_m);
     }
-    return true;
   });
   EXPECT_GE(scans.size(), frames / 2);
   for (const cv::Mat1f& depth_m : scans) {
@@ -150,10 +149,8 @@ std::map<int64_t, std::vector<uint8_t>> DisparitiesOf(const std::string& source,
 
 TEST(Ros2System, AnExportGivesTheDisparitiesOfItsLog) {
   const TemporaryDirectory folder;
-  const std::string log = std::string(SPROUT_SOURCE_DIR) + "/logs/sample.lcm";
-  Process exporting({ProgramPath("sprout-log"), "export", "--mcap", folder / "out.mcap", log});
-  ASSERT_EQ(exporting.Wait(), 0) << exporting.Output();
-  const auto of_log = DisparitiesOf("log:" + log, "LOG_");
+  OutputOf({"sprout-log", "export", "--mcap", folder / "out.mcap", kSampleLog});
+  const auto of_log = DisparitiesOf("log:" + kSampleLog.string(), "LOG_");
   const auto of_export = DisparitiesOf("mcap:" + std::string(folder / "out.mcap") +
                                            "?left=/sprout/left/image_rect&right=/sprout/right/"
                                            "image_rect&depth=/sprout/tof/image_raw",

@@ -10,6 +10,7 @@
 
 #include "tests/system/ros2_feed.h"
 #include "tests/system/ros2_host.h"
+#include "tests/system/run_program.h"
 
 namespace sprout {
 namespace {
@@ -127,19 +128,17 @@ TEST(Ros2System, ASubscriberThatSleepsStopsNobody) {
 }
 
 TEST(Ros2System, RefusesAFrameThatStandsInItself) {
-  Process bridge({ProgramPath("sprout-ros2"), "--config",
-                  "ros2 { left_frame: \"camera\" tof_frame: \"camera\" }"});
-  EXPECT_EQ(bridge.Wait(20s), 2);
-  EXPECT_THAT(bridge.Output(), testing::HasSubstr("allowed are names that differ"));
+  EXPECT_THAT(
+      OutputOf({"sprout-ros2", "--config", "ros2 { left_frame: \"camera\" tof_frame: \"camera\" }"},
+               2, 20s),
+      HasSubstr("allowed are names that differ"));
 }
 
 TEST(Ros2System, RefusesADomainOfTheEnvironmentByItsName) {
   setenv("ROS_DOMAIN_ID", "robot", /*overwrite=*/1);
-  Process bridge({ProgramPath("sprout-ros2")});
+  EXPECT_THAT(OutputOf({"sprout-ros2"}, 2, 20s),
+              HasSubstr("sprout-ros2: ROS_DOMAIN_ID = 'robot': allowed is 0 to 232"));
   unsetenv("ROS_DOMAIN_ID");
-  EXPECT_EQ(bridge.Wait(20s), 2);
-  EXPECT_THAT(bridge.Output(),
-              testing::HasSubstr("sprout-ros2: ROS_DOMAIN_ID = 'robot': allowed is 0 to 232"));
 }
 
 TEST(Ros2System, CountsFramesThatNeverCame) {

@@ -17,7 +17,7 @@
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/services/tools/calibrate/knocked_scene.h"
 #include "tests/system/graph.h"
-#include "tests/system/log_bytes.h"
+#include "tests/system/run_program.h"
 
 namespace sprout {
 namespace {
@@ -168,9 +168,8 @@ TEST(SelfCalibrateSystem, PutsAKnockedRigRightBetweenTwoFramesAndReplaysToTheSam
       << recording.changes.front().reason;
   EXPECT_EQ(recording.changes.front().newest_frame.rig_id, recording.used.front());
 
-  Process replay(
-      {ProgramPath("sprout-pipeline"), "--replay", log, "--record", folder / "replayed.lcm"});
-  ASSERT_EQ(replay.Wait(std::chrono::seconds(200)), 0) << replay.Output();
+  OutputOf({"sprout-pipeline", "--replay", log, "--record", folder / "replayed.lcm"}, 0,
+           std::chrono::seconds(200));
   const ChannelBytes live = ReadChannels(log);
   ChannelBytes replayed = ReadChannels(folder / "replayed.lcm");
   replayed.erase(std::string(kProcessChannel));
@@ -188,12 +187,8 @@ TEST(SelfCalibrateSystem, WarnsOfAKnockedRigWithTheCommandThatPutsItRight) {
   std::string error;
   for (int64_t seq = 0; seq < 600 && error.empty(); ++seq) {
     const RigImages images = *RectifyImages(rectifier, Knocked().ViewOf(seq));
-    const FrameId id{
-        .utime = 1'000'000 + 100'000 * seq, .seq = seq, .rig_id = RigId(rectifier.rig())};
-    graph.PublishPart(id, Part::kRig, rectifier.rig());
-    graph.PublishPart(id, Part::kLeft, images.left);
-    graph.PublishPart(id, Part::kRight, images.right);
-    graph.PublishPart(id, Part::kTof, images.tof);
+    graph.PublishFrame(1'000'000 + 100'000 * seq, seq, rectifier.rig(), images.left, images.right,
+                       images.tof);
     graph.WaitUntil(
         [&](Graph& g) {
           error = g.statuses["selfcalibrate"].last_error;
@@ -213,16 +208,15 @@ TEST(SelfCalibrateSystem, WarnsOfAKnockedRigWithTheCommandThatPutsItRight) {
 
 TEST(SelfCalibrateSystem, SaysWhatItCannotDo) {
   const TemporaryDirectory folder;
-  Process data_set({ProgramPath("sprout-capture"), "--config",
-                    "self_calibrate { mode: APPLY folder: \"" + (folder / "rigs").string() + "\" }",
-                    "--source", "synthetic:64x48", "--frames", "1"});
-  EXPECT_EQ(data_set.Wait(), 2);
-  EXPECT_THAT(data_set.Output(), HasSubstr("synthetic:64x48 is not rectified here; allowed: "));
-  Process off({ProgramPath("sprout-selfcalibrate"), "--config", "self_calibrate { mode: OFF }"});
-  EXPECT_EQ(off.Wait(), 0) << off.Output();
-  Process wrong({ProgramPath("sprout-selfcalibrate"), "--config", "self_calibrate { frames: 25 }"});
-  EXPECT_EQ(wrong.Wait(), 2);
-  EXPECT_THAT(wrong.Output(), HasSubstr("self_calibrate.frames = 25"));
+  const std::string apply =
+      "self_calibrate { mode: APPLY folder: \"" + (folder / "rigs").string() + "\" }";
+  EXPECT_THAT(
+      OutputOf(
+          {"sprout-capture", "--config", apply, "--source", "synthetic:64x48", "--frames", "1"}, 2),
+      HasSubstr("synthetic:64x48 is not rectified here; allowed: "));
+  OutputOf({"sprout-selfcalibrate", "--config", "self_calibrate { mode: OFF }"});
+  EXPECT_THAT(OutputOf({"sprout-selfcalibrate", "--config", "self_calibrate { frames: 25 }"}, 2),
+              HasSubstr("self_calibrate.frames = 25"));
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ bool Judge(const std::string& name, const std::vector<Sample>& samples, double r
 // machine.
 bool LosesNothing(Graph& graph) {
   bool nothing = true;
-  graph.WaitUntil([&](Graph& g) {
+  graph.Look([&](Graph& g) {
     for (const auto& [name, s] : g.statuses) {
       const int64_t may_skip = name == "depth" ? s.frames_skipped : 0;
       const int64_t lost = s.frames_skipped + s.frames_incomplete + s.frames_failed +
@@ -102,7 +102,6 @@ bool LosesNothing(Graph& graph) {
                                name, s.frames_out, s.frames_skipped, lost);
       nothing = nothing && lost == 0 && s.frames_out + may_skip == g.statuses["capture"].frames_out;
     }
-    return true;
   });
   return nothing;
 }

@@ -5,12 +5,11 @@
 #include <csignal>
 #include <filesystem>
 
-#include "common/app/process.h"
 #include "tests/common/bus/fake_tcpq_server.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/common/scenes/scene_folder.h"
-#include "tests/system/eventually.h"
 #include "tests/system/graph.h"
+#include "tests/system/run_program.h"
 
 // Processes that wait for what never comes: a signal ends them all the same. And a server that is
 // gone.
@@ -43,12 +42,9 @@ TEST(StuckSystem, NobodyWaitsForALogThatIsAFifo) {
   const TemporaryDirectory folder;
   const fs::path fifo = MakeFifo(folder / "fifo");
   for (const std::vector<std::string>& command :
-       {std::vector<std::string>{ProgramPath("sprout-grow"), "--replay", fifo, "--record",
-                                 folder / "out.lcm"},
-        {ProgramPath("sprout-capture"), "--source", "log:" + fifo.string()}}) {
-    Process process(command);
-    EXPECT_EQ(process.Wait(kPatience), 2) << command[0];
-    EXPECT_THAT(process.Output(), testing::HasSubstr("not a file"));
+       {std::vector<std::string>{"sprout-grow", "--replay", fifo, "--record", folder / "out.lcm"},
+        {"sprout-capture", "--source", "log:" + fifo.string()}}) {
+    EXPECT_THAT(OutputOf(command, 2, kPatience), testing::HasSubstr("not a file")) << command[0];
   }
 }
 

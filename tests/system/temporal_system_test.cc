@@ -6,7 +6,7 @@
 #include "common/scenes/dataset.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/system/graph.h"
-#include "tests/system/log_bytes.h"
+#include "tests/system/run_program.h"
 
 namespace sprout {
 namespace {
@@ -71,9 +71,9 @@ TEST(TemporalSystem, ReplayGivesTheBytesOfTheLiveRun) {
     }
   }
   writer.Close();
-  Process replay({ProgramPath("sprout-temporal"), "--replay", folder / "in.lcm", "--record",
-                  folder / "out.lcm"});
-  EXPECT_EQ(replay.Wait(std::chrono::seconds(60)), 0) << replay.Output();
+  const auto in = folder / "in.lcm";
+  OutputOf({"sprout-temporal", "--replay", in, "--record", folder / "out.lcm"}, 0,
+           std::chrono::seconds(60));
   const ChannelBytes recorded = ReadChannels(folder / "out.lcm");
   for (const Part part : kAnswers) {
     const auto& messages = recorded.at(std::string(ChannelOf(part)));
@@ -85,10 +85,11 @@ TEST(TemporalSystem, ReplayGivesTheBytesOfTheLiveRun) {
   }
   // Of two frames before the dark one: behind those before them the same, alone others.
   const auto two_frames = [&](const std::string& config) {
-    Process some({ProgramPath("sprout-temporal"), "--config", config, "--replay", folder / "in.lcm",
-                  "--record", folder / "some.lcm", "--frames", "3:4"});
-    EXPECT_EQ(some.Wait(std::chrono::seconds(60)), 0) << some.Output();
-    return std::pair(ReadChannels(folder / "some.lcm").at("SPROUT_FUSED"), some.Output());
+    const auto some = folder / "some.lcm";
+    const std::string report = OutputOf({"sprout-temporal", "--config", config, "--replay", in,
+                                         "--record", some, "--frames", "3:4"},
+                                        0, std::chrono::seconds(60));
+    return std::pair(ReadChannels(some).at("SPROUT_FUSED"), report);
   };
   const auto& whole = recorded.at("SPROUT_FUSED");
   const auto [warm, warm_report] = two_frames("temporal { warm_up_frames: 3 }");
@@ -108,11 +109,9 @@ TEST(TemporalSystem, ReplayGivesTheBytesOfTheLiveRun) {
     if (id.seq != kMissing) odometry.Write(id.utime, "SPROUT_ODOMETRY", bytes);
   }
   odometry.Close();
-  Process given({ProgramPath("sprout-temporal"), "--config", "temporal { motion: CHANNEL }",
-                 "--replay", folder / "in.lcm", "--replay", folder / "odometry.lcm", "--record",
-                 folder / "given.lcm"});
-  EXPECT_EQ(given.Wait(std::chrono::seconds(60)), 0) << given.Output();
-  EXPECT_THAT(given.Output(), HasSubstr("7 in, 7 out (2 degenerate), 0 failed, 1 incomplete"));
+  EXPECT_THAT(Replay("sprout-temporal", "temporal { motion: CHANNEL }",
+                     {in, folder / "odometry.lcm"}, folder / "given.lcm"),
+              HasSubstr("7 in, 7 out (2 degenerate), 0 failed, 1 incomplete"));
   const ChannelBytes told = ReadChannels(folder / "given.lcm");
   for (const auto& bytes : told.at("SPROUT_MOTION")) {
     const auto decoded = DecodePart(Part::kMotion, bytes);

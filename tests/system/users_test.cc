@@ -8,6 +8,7 @@
 #include "services/depth/depth_map.h"
 #include "tests/system/eventually.h"
 #include "tests/system/graph.h"
+#include "tests/system/run_program.h"
 
 namespace sprout {
 namespace {
@@ -20,13 +21,10 @@ TEST(DepthSystem, TurnsEveryMapIntoDepthAndPoints) {
   Graph graph;
   graph.StartChain();
   graph.Start("depth", {"--config", "default"});
-  Process& capture =
-      graph.StartOnly("capture", {"--source", kUsersSource, "--frames", "3", "--lockstep", "1",
-                                  "--wait-for", "refine,prior,grow,depth"});
-  EXPECT_EQ(capture.Wait(), 0) << capture.Output();
+  graph.Capture({"--source", kUsersSource, "--frames", "3"});
   const auto source = scenes::OpenDataset(kUsersSource);
   ASSERT_TRUE(graph.WaitUntil([](Graph& g) { return g.parts.contains({Part::kCloud, 2}); }));
-  graph.WaitUntil([&](Graph& g) {
+  graph.Look([&](Graph& g) {
     for (int64_t seq = 0; seq < 3; ++seq) {
       const auto& map = std::get<DisparityImage>(g.parts.at({Part::kDisparity, seq}));
       const auto& depth = std::get<DepthImage>(g.parts.at({Part::kDepth, seq}));
@@ -35,7 +33,6 @@ TEST(DepthSystem, TurnsEveryMapIntoDepthAndPoints) {
       EXPECT_GT(cv::countNonZero(depth.counts), 320 * 240 / 2);
       EXPECT_GT(std::get<PointCloud>(g.parts.at({Part::kCloud, seq})).points.size(), 80 * 60 / 2U);
     }
-    return true;
   });
 }
 
@@ -45,7 +42,7 @@ TEST(CaptureExampleSystem, LeadsToADepthMapOfItsWall) {
   graph.StartChain();
   const Process camera({ProgramPath("camera_example")});
   ASSERT_TRUE(graph.WaitUntil([](Graph& g) { return g.statuses["grow"].frames_out >= 3; }));
-  graph.WaitUntil([](Graph& g) {
+  graph.Look([](Graph& g) {
     for (const auto& [key, value] : g.parts) {
       if (key.first != Part::kDisparity) continue;
       const auto& map = std::get<DisparityImage>(value);
@@ -57,7 +54,6 @@ TEST(CaptureExampleSystem, LeadsToADepthMapOfItsWall) {
       }
       EXPECT_GT(close, 0.9 * map.width() * map.height()) << "frame " << key.second;
     }
-    return true;
   });
 }
 
@@ -65,10 +61,9 @@ class TopSystem : public ::testing::Test {
  protected:
   // Exit code of sprout-top and what it says, as one object.
   std::pair<int, nlohmann::json> Look(const std::string& stages) {
-    Process top({ProgramPath("sprout-top"), "--once", "--json", "--log-level", "error", "--stages",
-                 stages});
-    const int code = top.Wait().value_or(-1);
-    const std::string output = top.Output();
+    const auto [code, output] =
+        RunProgramOf({"sprout-top", "--once", "--json", "--log-level", "error", "--stages", stages},
+                     std::chrono::seconds(30));
     const size_t start = output.find('{');
     EXPECT_NE(start, std::string::npos) << output;
     return {code, nlohmann::json::parse(output.substr(std::min(start, output.size())), nullptr,
@@ -115,11 +110,7 @@ TEST_F(TopSystem, SaysWhatInAFrameDoesNotFit) {
   const Rig rig = source->rig();
   int64_t seq = 0;
   const auto send = [&](const cv::Mat& left, const cv::Mat& right, const TofImage& tof) {
-    const FrameId id{.utime = 1000 + seq, .seq = seq, .rig_id = RigId(rig)};
-    graph_.PublishPart(id, Part::kRig, rig);
-    graph_.PublishPart(id, Part::kLeft, left);
-    graph_.PublishPart(id, Part::kRight, right);
-    graph_.PublishPart(id, Part::kTof, tof);
+    graph_.PublishFrame(1000 + seq, seq, rig, left, right, tof);
     ++seq;
     EXPECT_TRUE(graph_.WaitUntil([&](Graph& g) {
       return g.statuses["refine"].frames_out == seq &&
