@@ -3,6 +3,8 @@
 
 #include <ifaddrs.h>
 #include <net/if.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -22,6 +24,7 @@
 #include "common/core/image.h"
 #include "services/capture/genicam/arv_object.h"
 #include "services/capture/genicam/pixels.h"
+#include "tests/rig/fake_camera_features.h"
 #include "tests/rig/time_stamp.h"
 
 namespace sprout {
@@ -49,15 +52,15 @@ struct Options {
   bool spherical = false;
 };
 
-// Registers of fake_camera.xml that the simulator does not know.
-enum Register : uint32_t {
-  kScale = 0x400,
-  kFocalLength = 0x418,
-  kPrincipalU = 0x420,
-  kPrincipalV = 0x428,
-  kCoordinateSystem = 0x438,
-  kTimestampLatchValue = 0x440,
-};
+// Path of a file that holds the features, in memory alone: nobody has to remove it.
+std::string FeaturesFile() {
+  const std::string text = FakeCameraFeatures();
+  const int file = memfd_create("features", 0);
+  if (write(file, text.data(), text.size()) != std::ssize(text)) {
+    throw ConfigError("no memory for a file");
+  }
+  return "/proc/self/fd/" + std::to_string(file);
+}
 
 void WriteBits(ArvFakeCamera* camera, uint32_t address, uint64_t bits) {
   bits = GUINT64_TO_BE(bits);
@@ -106,7 +109,7 @@ class FakeCamera {
         started_us_(g_get_real_time()),
         exposures_(options.exposures, std::ios::app),
         camera_(arv_gv_fake_camera_new_full(options.interface.c_str(), options.serial.c_str(),
-                                            SPROUT_SOURCE_DIR "/tests/rig/fake_camera.xml")) {
+                                            FeaturesFile().c_str())) {
     if (!arv_gv_fake_camera_is_running(camera_.get())) {
       throw ConfigError("--interface " + options.interface +
                         ": the simulator does not start there");
