@@ -56,8 +56,7 @@ class FrameTimes {
 
   // Ages of the answers (capture to answer published), and what they may be: twice what all stages
   // worked on a frame, on average over the answers of the second before, and the time between two
-  // frames. Also what frames spent in each stage: worked on, waiting behind others, and before, on
-  // the way from the stage before until complete (moved).
+  // frames.
   // @param stages  in their order; the last one answers.
   nlohmann::ordered_json Summarise(const std::vector<std::string>& stages, double rate_hz) const;
 
@@ -103,20 +102,15 @@ nlohmann::ordered_json FrameTimes::Summarise(const std::vector<std::string>& sta
   const double interval_ms = 1000 / rate_hz;
   std::deque<Recent> recent;
   std::vector<double> ages, limits;
-  std::map<std::string, std::vector<double>> moved;
   double worst = 0;
   int64_t too_old = 0;
   for (const auto& [seq, answer] : answering->second) {
     double worked_ms = 0;
-    double age_ms = 0;  // behind the stage before
     for (const std::string& stage : stages) {
       const auto& of_stage = times_.at(stage);
       const auto it = of_stage.find(seq);
       if (it == of_stage.end()) continue;
-      const Times& times = it->second;
-      worked_ms += times.worked_ms;
-      moved[stage].push_back(times.age_ms - times.worked_ms - times.waited_ms - age_ms);
-      age_ms = times.age_ms;
+      worked_ms += it->second.worked_ms;
     }
     const double now_ms = static_cast<double>(seq) * interval_ms + answer.age_ms;
     recent.push_back({now_ms, worked_ms});
@@ -135,18 +129,6 @@ nlohmann::ordered_json FrameTimes::Summarise(const std::vector<std::string>& sta
   result["limit_p50_ms"] = Quantile(limits, 0.5);
   result["older_than_limit"] = too_old;
   result["worst_age_to_limit"] = worst;
-  for (const std::string& stage : stages) {
-    std::vector<double> waited, worked;
-    for (const auto& [seq, times] : times_.at(stage)) {
-      waited.push_back(times.waited_ms);
-      worked.push_back(times.worked_ms);
-    }
-    result["of"][stage] = {{"worked_p50_ms", Quantile(worked, 0.5)},
-                           {"waited_p50_ms", Quantile(waited, 0.5)},
-                           {"waited_p99_ms", Quantile(waited, 0.99)},
-                           {"moved_p50_ms", Quantile(moved[stage], 0.5)},
-                           {"moved_p99_ms", Quantile(moved[stage], 0.99)}};
-  }
   return result;
 }
 
@@ -277,14 +259,10 @@ int Run(const std::string& preset, const std::string& hosting, const std::string
   nlohmann::ordered_json result;
   result["preset"] = preset;
   result["hosting"] = hosting;
-  result["source"] = source;
   result["fps"] = rate_hz;
-  result["seconds"] = seconds;
-  result["frames"] = frames;
   result["load"] = load;
   result["captured"] = last["capture"].frames_out;
   result["answered"] = answered.frames_out;
-  result["lost_or_skipped"] = lost;
   std::vector<std::string> all_stages = {"capture"};
   all_stages.insert(all_stages.end(), stages.begin(), stages.end());
   FrameTimes times;
