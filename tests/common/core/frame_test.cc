@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <type_traits>
+#include <variant>
 
 namespace sprout {
 namespace {
@@ -55,41 +57,16 @@ std::vector<bool> Filled(const Frame& frame) {
           frame.tof_zones.has_value()};
 }
 
+// What such a member holds.
 PartValue ValueFor(Part part) {
-  switch (part) {
-    case Part::kLeft:
-    case Part::kRight:
-    case Part::kConfidence:
-    case Part::kSigma:
-    case Part::kFusedConfidence:
-      return cv::Mat(2, 3, CV_8UC1, cv::Scalar(9));
-    case Part::kTof:
-      return TofImage{.depth_m = cv::Mat1f(1, 1, 2.0F), .amplitude = {}};
-    case Part::kRig:
-      return Rig{};
-    case Part::kSeeds:
-    case Part::kLeftSeeds:
-      return SeedSet{};
-    case Part::kPrior:
-      return PriorMap(cv::Size(3, 2));
-    case Part::kDepth:
-    case Part::kDepthSigma:
-    case Part::kTargetDepth:
-      return DepthImage{.counts = cv::Mat1w(2, 3)};
-    case Part::kCloud:
-    case Part::kBaseCloud:
-    case Part::kTargetCloud:
-      return PointCloud{};
-    case Part::kDepthCounts:
-      return DepthCounts{};
-    case Part::kMotion:
-    case Part::kOdometry:
-      return CameraMotion{};
-    case Part::kTofZones:
-      return TofZones{};
-    default:
-      return DisparityImage(cv::Size(3, 2));
-  }
+  return std::visit(
+      []<typename T>(T Frame::*) -> PartValue {
+        if constexpr (std::is_same_v<T, cv::Mat>)
+          return cv::Mat(2, 3, CV_8UC1, cv::Scalar(9));
+        else
+          return typename T::value_type();
+      },
+      RowOf(part).member);
 }
 
 TEST(SetPart, FillsThePlaceOfThatPartAndNoOther) {
