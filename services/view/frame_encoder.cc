@@ -36,31 +36,15 @@ cv::Mat Shrink(const cv::Mat& image, int width) {
   return small;
 }
 
-cv::Mat3b PaintTof(const TofImage& tof, const ValueRange& range_m) {
-  cv::Mat3b picture(tof.depth_m.size(), kNoValueColor);
-  for (int v = 0; v < picture.rows; ++v) {
-    for (int u = 0; u < picture.cols; ++u) {
-      const float depth_m = tof.depth_m(v, u);
-      if (IsReturn(depth_m)) picture(v, u) = ColorOfDepth(depth_m, range_m);
-    }
-  }
-  return picture;
-}
-
 // @param sigma_of  of the map's size.
 cv::Mat3b PaintSigma(const DisparityImage& map, const cv::Mat1b& sigma_of, int width) {
-  std::array<cv::Vec3b, 256> table;
-  for (size_t i = 0; i < table.size(); ++i) {
-    table[i] = ColorOf(SigmaToPx(static_cast<uint8_t>(i)), kSigmaRange);
+  cv::Mat3b colors(256, 1);
+  for (int i = 0; i < colors.rows; ++i) {
+    colors(i) = ColorOf(SigmaToPx(static_cast<uint8_t>(i)), kSigmaRange);
   }
-  const cv::Mat1b sigma = Thin(sigma_of, width);
-  const cv::Mat1s counts = Thin(map.counts(), width);
-  cv::Mat3b picture(sigma.size(), kNoValueColor);
-  for (int v = 0; v < picture.rows; ++v) {
-    for (int u = 0; u < picture.cols; ++u) {
-      if (counts(v, u) != DisparityImage::kInvalid) picture(v, u) = table[sigma(v, u)];
-    }
-  }
+  cv::Mat3b picture;
+  cv::applyColorMap(Thin(sigma_of, width), picture, colors);
+  picture.setTo(kNoValueColor, Thin(map.counts(), width) == DisparityImage::kInvalid);
   return picture;
 }
 
@@ -173,7 +157,8 @@ std::optional<FrameEncoder::Drawing> FrameEncoder::Draw(DecodedFrame& frame, Pic
     case Picture::kTof: {
       const auto* tof = frame.Get<TofImage>(Part::kTof);
       if (tof == nullptr || tof->depth_m.empty()) return {};
-      return Drawing{PaintTof({Thin(tof->depth_m, width), {}}, depth_m_), tof->depth_m.size()};
+      return Drawing{ColorizeDepth(ReturnsOnly(Thin(tof->depth_m, width)), depth_m_),
+                     tof->depth_m.size()};
     }
     case Picture::kDisparity:
     case Picture::kFused:

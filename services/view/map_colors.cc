@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <array>
 #include <limits>
 
 namespace sprout::view {
@@ -14,34 +13,6 @@ constexpr int kSampleColumns = 160;
 // this margin.
 constexpr double kMinFilled = 0.5;
 constexpr double kMargin = 0.05;
-
-// ColorOf(), some times faster.
-class Palette {
- public:
-  explicit Palette(const ValueRange& range)
-      : range_(range),
-        steps_per_unit_(kSteps / (range.max - range.min)),
-        below_(ColorOf(2 * range.min - range.max, range)),
-        above_(ColorOf(2 * range.max - range.min, range)) {
-    for (size_t i = 0; i <= kSteps; ++i) colors_[i] = ColorOf(static_cast<double>(i), {0, kSteps});
-  }
-
-  /// @param value  no NaN.
-  const cv::Vec3b& Of(double value) const {
-    if (value < range_.min) return below_;
-    if (value > range_.max) return above_;
-    return colors_[static_cast<size_t>((value - range_.min) * steps_per_unit_ + 0.5)];
-  }
-
- private:
-  static constexpr size_t kSteps = 255;
-
-  ValueRange range_;
-  double steps_per_unit_;
-  cv::Vec3b below_;
-  cv::Vec3b above_;
-  std::array<cv::Vec3b, kSteps + 1> colors_;
-};
 
 size_t IndexOf(int16_t count) { return static_cast<uint16_t>(count); }
 
@@ -66,14 +37,13 @@ CountColors::CountColors(ColorOfPx color_of_px) : table_(1 << 16, kNoValueColor)
 }
 
 CountColors CountColors::OfDisparity(const ValueRange& range_px) {
-  return CountColors([palette = Palette(range_px)](double px) { return palette.Of(px); });
+  return CountColors([&](double px) { return ColorOf(px, range_px); });
 }
 
 CountColors CountColors::OfDepth(const RectifiedPair& pair, const ValueRange& range_m) {
-  const Palette palette({0, 1});
   return CountColors([&](double px) {
     const double depth_m = pair.DepthFromDisparity(px);
-    return depth_m > 0 ? palette.Of(ShareOfDepth(depth_m, range_m)) : kNoValueColor;
+    return depth_m > 0 ? ColorOf(ShareOfDepth(depth_m, range_m), {0, 1}) : kNoValueColor;
   });
 }
 
