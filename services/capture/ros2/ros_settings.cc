@@ -1,6 +1,7 @@
 #include "services/capture/ros2/ros_settings.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <map>
@@ -38,17 +39,26 @@ std::string InfoBeside(std::string topic) {
   return (slash == std::string::npos ? "" : topic.substr(0, slash)) + "/camera_info";
 }
 
+// Each role with the option that names its topic.
+struct TopicRow {
+  RosRole role;
+  std::string_view option;
+  std::string RosSettings::*topic;
+};
+constexpr std::array kTopics = {
+    TopicRow{RosRole::kLeft, "left", &RosSettings::left},
+    TopicRow{RosRole::kRight, "right", &RosSettings::right},
+    TopicRow{RosRole::kLeftInfo, "left_info", &RosSettings::left_info},
+    TopicRow{RosRole::kRightInfo, "right_info", &RosSettings::right_info},
+    TopicRow{RosRole::kPoints, "points", &RosSettings::points},
+    TopicRow{RosRole::kDepth, "depth", &RosSettings::depth},
+    TopicRow{RosRole::kDepthInfo, "depth_info", &RosSettings::depth_info},
+    TopicRow{RosRole::kTf, "tf", &RosSettings::tf}};
+
 std::string* TextOf(RosSettings& settings, std::string_view name) {
-  if (name == "left") return &settings.left;
-  if (name == "right") return &settings.right;
-  if (name == "left_info") return &settings.left_info;
-  if (name == "right_info") return &settings.right_info;
-  if (name == "points") return &settings.points;
-  if (name == "depth") return &settings.depth;
-  if (name == "depth_info") return &settings.depth_info;
   if (name == "rig") return &settings.rig;
-  if (name == "tf") return &settings.tf;
-  return nullptr;
+  const auto row = std::ranges::find(kTopics, name, &TopicRow::option);
+  return row == kTopics.end() ? nullptr : &(settings.*row->topic);
 }
 
 // x,y,z,qx,qy,qz,qw, as ROS's static_transform_publisher has them, or x,y,z alone.
@@ -98,10 +108,9 @@ int DomainOfEnvironment(const std::string& source) {
 }
 
 void CompleteNames(RosSettings& settings) {
-  for (std::string* topic :
-       {&settings.left, &settings.right, &settings.left_info, &settings.right_info,
-        &settings.points, &settings.depth, &settings.depth_info, &settings.tf}) {
-    if (!topic->empty() && topic->front() != '/') topic->insert(0, "/");
+  for (const TopicRow& row : kTopics) {
+    std::string& topic = settings.*row.topic;
+    if (!topic.empty() && topic.front() != '/') topic.insert(0, "/");
   }
   const bool is_raw = !settings.rig.empty();
   if (!is_raw && settings.left_info.empty()) settings.left_info = InfoBeside(settings.left);
@@ -140,29 +149,10 @@ std::vector<std::string> TransformTopics(const std::string& topic) {
 }
 
 std::vector<std::string> RosSettings::TopicsOf(RosRole role) const {
-  const auto one = [](const std::string& topic) {
-    return topic.empty() ? std::vector<std::string>() : std::vector{topic};
-  };
-  switch (role) {
-    case RosRole::kLeft:
-      return one(left);
-    case RosRole::kRight:
-      return one(right);
-    case RosRole::kLeftInfo:
-      return one(left_info);
-    case RosRole::kRightInfo:
-      return one(right_info);
-    case RosRole::kPoints:
-      return one(points);
-    case RosRole::kDepth:
-      return one(depth);
-    case RosRole::kDepthInfo:
-      return one(depth_info);
-    case RosRole::kTf:
-      break;
-  }
+  const std::string& topic = this->*std::ranges::find(kTopics, role, &TopicRow::role)->topic;
+  if (role != RosRole::kTf) return topic.empty() ? std::vector<std::string>() : std::vector{topic};
   if (!rig.empty() || left_info.empty()) return {};  // nothing to place
-  return tf.empty() ? TransformTopics(left) : one(tf);
+  return topic.empty() ? TransformTopics(left) : std::vector{topic};
 }
 
 bool RosSettings::DepthIsRectified() const {
