@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -12,6 +11,8 @@
 
 #include "common/app/process.h"
 #include "common/config/config_error.h"
+#include "common/core/joined.h"
+#include "common/core/number_text.h"
 #include "common/core/printable.h"
 #include "services/tools/batch/engines.h"
 
@@ -42,9 +43,8 @@ std::string Sbatch(const fs::path& script, const std::vector<std::string>& flags
   command.push_back(script);
   Process process(command);
   const auto code = process.Wait(std::chrono::seconds(120));
-  std::string id = process.Output();
-  while (id.ends_with('\n')) id.pop_back();
-  for (size_t end = 0; (end = id.find('\n', end)) != std::string::npos;) id.replace(end, 1, "; ");
+  const std::string output = process.Output();
+  const std::string id = Joined("; ", SplitAt('\n', Trimmed(output)));
   if (code != 0) {
     throw ConfigError("sbatch: " + (code == 127 ? "not found; is Slurm installed here?" : id));
   }
@@ -89,19 +89,15 @@ std::vector<std::string> SbatchFlags(const BatchFolder& folder, const SlurmOptio
 
 std::string ActiveJobs(const BatchFolder& folder) {
   const std::string jobs = FirstLineOf(SlurmFolder(folder) / "jobs");
-  std::string active;
-  for (size_t at = 0; at < jobs.size();) {
-    const std::string job = jobs.substr(at, jobs.find(',', at) - at);
-    at += job.size() + 1;
-    Process process({"squeue", "--noheader", "--format=%i", "--jobs=" + job});
+  std::vector<std::string_view> active;
+  for (const std::string_view job : SplitAt(',', jobs)) {
+    if (job.empty()) continue;
+    Process process({"squeue", "--noheader", "--format=%i", "--jobs=" + std::string(job)});
     const bool known = process.Wait(std::chrono::seconds(60)) == 0;  // not when it is long over
-    const std::string output = process.Output();
-    if (known && std::any_of(output.begin(), output.end(),
-                             [](unsigned char c) { return std::isdigit(c) != 0; })) {
-      active += (active.empty() ? "" : ",") + job;
-    }
+    const bool has_number = process.Output().find_first_of("0123456789") != std::string::npos;
+    if (known && has_number) active.push_back(job);
   }
-  return active;
+  return Joined(",", active);
 }
 
 std::string StatesOfJobs(const std::string& jobs) {
@@ -114,11 +110,8 @@ std::string StatesOfJobs(const std::string& jobs) {
     if (state.ends_with(kNoReason)) state.resize(state.size() - kNoReason.size());
     ++states[Printable(state)];
   }
-  std::string text;
-  for (const auto& [state, count] : states) {
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, state);
-  }
-  return text;
+  return Joined(", ", states,
+                [](const auto& state) { return fmt::format("{} {}", state.second, state.first); });
 }
 
 std::string TaskOutput(const BatchFolder& folder) {

@@ -108,11 +108,8 @@ constexpr std::chrono::hours kPatience{24};
 
 // Behind a colon; a program says last why it ends.
 std::string LastLineOf(const std::string& output) {
-  const size_t end = output.find_last_not_of('\n');
-  if (end == std::string::npos) return "";
-  const size_t before = output.find_last_of('\n', end);
-  const size_t begin = before == std::string::npos ? 0 : before + 1;
-  return ": " + output.substr(begin, end + 1 - begin);
+  const std::string_view text = Trimmed(output);
+  return text.empty() ? "" : ": " + std::string(SplitAt('\n', text).back());
 }
 
 class LogTask {
