@@ -70,9 +70,9 @@ constexpr std::array kMapNames = {"prior", "as grown", "filled"};
 
 FrameTruth TruthOf(const scenes::GroundTruth& truth, const std::string& source) {
   if (truth.left.empty()) throw ConfigError("--truth " + source + ": has no ground truth");
-  return {.disparity_px = truth.left,
-          .non_occluded =
-              Required(NonOccludedMask(truth.left, truth.right), "--truth " + source + ": ")};
+  if (!truth.nonoccluded.empty()) return {truth.left, truth.nonoccluded};  // the data set's own
+  return {truth.left,
+          Required(NonOccludedMask(truth.left, truth.right), "--truth " + source + ": ")};
 }
 
 LogTruth::LogTruth(const std::string& source) : source_(source) {

@@ -7,6 +7,7 @@
 #include "common/picture/write_image.h"
 #include "common/scenes/pfm.h"
 #include "services/tools/log/log_frames.h"
+#include "tests/common/scenes/kitti_folder.h"
 #include "tests/services/tools/log/graph_log.h"
 
 // images and export.
@@ -54,6 +55,20 @@ TEST_F(LogImages, TellsDensityAndRefusesTheTruthOfAnotherScene) {
   ExpectRefused({"images", log, folder_.File("other"), "--truth", "synthetic:32x24"},
                 "--truth synthetic:32x24: frame 0 of the log is another picture");
   ExpectRefused({"images", log, folder_.File("other"), "--truth", "nonsense"}, "nonsense");
+}
+
+// The map is wrong in the upper half, which the right camera does not see.
+TEST_F(LogImages, CountsThePixelsThatBothCamerasSeeAsTheDataSetSays) {
+  const scenes::KittiFolder truth("000007");
+  cv::Mat1w seen(30, 40, uint16_t{5 * 256});
+  seen.rowRange(0, 15) = 0;
+  truth.WriteTruth("disp_noc_0/000007_10.png", seen);
+  cv::Mat1f map_px(30, 40, 5.F);
+  map_px.rowRange(0, 15) = 9;
+  const auto log = folder_.Write("log", {PartEvent(Part::kDisparity, 0, FromPx(map_px))});
+  const std::string out =
+      OutOf({"images", log, folder_.File("out"), "--truth", "kitti:" + truth.place() + "/000007"});
+  EXPECT_THAT(out, ContainsRegex("filled +1 +100.00 +100.00\n"));
 }
 
 TEST_F(LogImages, ShowsThePointsOfAToFImageThatFitsTheCalibration) {
