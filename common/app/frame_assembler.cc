@@ -25,7 +25,7 @@ std::vector<Frame> FrameAssembler::Add(std::string_view channel, std::span<const
       return std::move(*frames);
     }
     monitor_.BadMessage(channel, frames.error().text);
-  } catch (const std::exception& e) {  // out of memory: must not cross LCM's C frames
+  } catch (const std::exception& e) {  // out of memory
     monitor_.BadMessage(channel, e.what());
   }
   return {};

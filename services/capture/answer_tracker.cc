@@ -40,7 +40,7 @@ AnswerTracker::AnswerTracker(const ServiceContext& context, StageMonitor& monito
 void AnswerTracker::OnMessage(std::string_view channel, std::span<const uint8_t> bytes) {
   try {
     channel == kStatusChannel ? OnStatus(bytes) : OnDisparity(bytes);
-  } catch (const std::exception& e) {  // out of memory: must not cross LCM's C frames
+  } catch (const std::exception& e) {  // out of memory
     monitor_.BadMessage(channel, e.what());
   }
   changed_.notify_all();

@@ -72,15 +72,11 @@ class Listener {
 
  private:
   void Take(std::string_view channel, std::span<const uint8_t> bytes) {
-    try {
-      Result<std::vector<Frame>> frames = joiner_.AddMessage(*PartOf(channel), bytes);
-      if (!frames) ++bad_messages_;
-      incomplete_ = joiner_.incomplete();
-      if (!frames) return;
-      for (Frame& frame : *frames) skipped_ += mailbox_.Put(std::move(frame));
-    } catch (const std::exception&) {  // out of memory: must not cross LCM's C frames
-      ++bad_messages_;
-    }
+    Result<std::vector<Frame>> frames = joiner_.AddMessage(*PartOf(channel), bytes);
+    if (!frames) ++bad_messages_;
+    incomplete_ = joiner_.incomplete();
+    if (!frames) return;
+    for (Frame& frame : *frames) skipped_ += mailbox_.Put(std::move(frame));
   }
 
   std::optional<double> timeout_s_;
