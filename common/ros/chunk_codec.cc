@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <stdexcept>
 #include <string>
 
@@ -70,39 +71,15 @@ Result<McapBytes> UnpackLz4(std::span<const uint8_t> packed, uint64_t size) {
 
 }  // namespace
 
-struct ChunkPacker::Contexts {
-  struct Deleter {
-    void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
-  };
-  std::unique_ptr<ZSTD_CCtx, Deleter> zstd{ZSTD_createCCtx()};
-};
-
-ChunkPacker::ChunkPacker(McapCompression compression, int zstd_level)
-    : compression_(compression), zstd_level_(zstd_level), contexts_(std::make_unique<Contexts>()) {}
-
-ChunkPacker::~ChunkPacker() = default;
-
-std::span<const uint8_t> ChunkPacker::Pack(std::span<const uint8_t> bytes) {
-  size_t size = 0;
-  switch (compression_) {
-    case McapCompression::kNone:
-      return bytes;
-    case McapCompression::kZstd:
-      packed_.resize(std::max(packed_.size(), ZSTD_compressBound(bytes.size())));
-      size = ZSTD_compressCCtx(contexts_->zstd.get(), packed_.data(), packed_.size(), bytes.data(),
-                               bytes.size(), zstd_level_);
-      if (ZSTD_isError(size) != 0)
-        throw std::runtime_error("zstd: " + std::string(ZSTD_getErrorName(size)));
-      break;
-    case McapCompression::kLz4:
-      packed_.resize(std::max(packed_.size(), LZ4F_compressFrameBound(bytes.size(), nullptr)));
-      size =
-          LZ4F_compressFrame(packed_.data(), packed_.size(), bytes.data(), bytes.size(), nullptr);
-      if (LZ4F_isError(size) != 0)
-        throw std::runtime_error("lz4: " + std::string(LZ4F_getErrorName(size)));
-      break;
+void PackChunk(std::span<const uint8_t> records, McapBytes& packed) {
+  constexpr int kLevel = 1;
+  packed.resize(ZSTD_compressBound(records.size()));
+  const size_t size =
+      ZSTD_compress(packed.data(), packed.size(), records.data(), records.size(), kLevel);
+  if (ZSTD_isError(size) != 0) {
+    throw std::runtime_error("zstd: " + std::string(ZSTD_getErrorName(size)));
   }
-  return std::span(packed_).first(size);
+  packed.resize(size);
 }
 
 Result<McapBytes> UnpackChunk(std::string_view compression, std::span<const uint8_t> packed,

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <string_view>
 
@@ -10,25 +9,8 @@
 
 namespace sprout {
 
-/// Compresses chunks, one after the other; its contexts are used again. Not thread-safe.
-class ChunkPacker {
- public:
-  /// @param zstd_level  see zstd's manual; below 0: faster and larger.
-  explicit ChunkPacker(McapCompression compression, int zstd_level);
-  ~ChunkPacker();
-
-  /// @returns the bytes as the chunk holds them, valid until the next call.
-  std::span<const uint8_t> Pack(std::span<const uint8_t> bytes);
-
-  McapCompression compression() const { return compression_; }
-
- private:
-  struct Contexts;
-  McapCompression compression_;
-  int zstd_level_;
-  std::unique_ptr<Contexts> contexts_;
-  McapBytes packed_;
-};
+/// Packs the records of a chunk with zstd. @param packed  is overwritten; its memory is used again.
+void PackChunk(std::span<const uint8_t> records, McapBytes& packed);
 
 /// A chunk that is larger than this, bytes, is not unpacked.
 inline constexpr uint64_t kMaxMcapChunkBytes = uint64_t{1} << 30;

@@ -4,18 +4,6 @@
 
 namespace sprout {
 
-std::string_view NameOf(McapCompression compression) {
-  switch (compression) {
-    case McapCompression::kNone:
-      return "";
-    case McapCompression::kZstd:
-      return "zstd";
-    case McapCompression::kLz4:
-      break;
-  }
-  return "lz4";
-}
-
 void RecordWriter::Text(std::string_view text) {
   Number(static_cast<uint32_t>(text.size()));
   bytes_.insert(bytes_.end(), text.begin(), text.end());

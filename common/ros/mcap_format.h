@@ -37,12 +37,6 @@ enum class McapOpcode : uint8_t {
 /// Bytes of opcode and length.
 inline constexpr size_t kRecordHead = 9;
 
-/// How the records of a chunk are compressed.
-enum class McapCompression { kNone, kZstd, kLz4 };
-
-/// The name that a file has for a compression: "", "zstd" or "lz4".
-std::string_view NameOf(McapCompression compression);
-
 /// What messages of a channel are made of; id 0: no schema.
 struct McapSchema {
   uint16_t id = 0;

@@ -4,8 +4,12 @@
 #include <cassert>
 #include <limits>
 
+#include "common/ros/chunk_codec.h"
+
 namespace sprout {
 namespace {
+
+constexpr std::string_view kCompression = "zstd";  // PackChunk()'s, as files call it
 
 std::string_view TextOf(std::span<const uint8_t> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -14,9 +18,7 @@ std::string_view TextOf(std::span<const uint8_t> bytes) {
 }  // namespace
 
 McapWriter::McapWriter(const std::filesystem::path& path, McapWriterOptions options)
-    : options_(std::move(options)),
-      file_(path),
-      packer_(options_.compression, options_.zstd_level) {
+    : options_(std::move(options)), file_(path) {
   McapBytes bytes(kMcapMagic.begin(), kMcapMagic.end());
   RecordWriter writer(bytes);
   const size_t begin = writer.Begin(McapOpcode::kHeader);
@@ -82,8 +84,8 @@ void McapWriter::EndChunk() {
       index.last_ns = std::max(index.last_ns, time_ns);
     }
   }
-  const std::span packed = packer_.Pack(chunk_);
-  index.packed = packed.size();
+  PackChunk(chunk_, packed_);
+  index.packed = packed_.size();
   McapBytes head;
   RecordWriter writer(head);
   const size_t begin = writer.Begin(McapOpcode::kChunk);
@@ -91,13 +93,13 @@ void McapWriter::EndChunk() {
   writer.Number(index.last_ns);
   writer.Number(uint64_t{chunk_.size()});
   writer.Number(Crc32(0, chunk_));
-  writer.Text(NameOf(options_.compression));
-  writer.Number(uint64_t{packed.size()});
+  writer.Text(kCompression);
+  writer.Number(index.packed);
   // The record goes on with the packed bytes, which are not copied.
-  const uint64_t size = head.size() - begin - kRecordHead + packed.size();
+  const uint64_t size = head.size() - begin - kRecordHead + index.packed;
   std::memcpy(head.data() + begin + 1, &size, sizeof size);
   Append(head);
-  Append(packed);
+  Append(packed_);
   index.bytes = position_ - index.offset;
 
   McapBytes indexes;
@@ -165,7 +167,7 @@ void McapWriter::WriteChunkIndexes(RecordWriter& writer) const {
       writer.Number(offset);
     }
     writer.Number(index.message_index_bytes);
-    writer.Text(NameOf(options_.compression));
+    writer.Text(kCompression);
     writer.Number(index.packed);
     writer.Number(index.unpacked);
     writer.End(begin);

@@ -9,16 +9,13 @@
 #include <vector>
 
 #include "common/core/output_file.h"
-#include "common/ros/chunk_codec.h"
 #include "common/ros/mcap_format.h"
 
 namespace sprout {
 
 struct McapWriterOptions {
-  std::string profile = {};  ///< "ros2"
-  std::string library = {};  ///< which wrote the file
-  McapCompression compression = McapCompression::kZstd;
-  int zstd_level = 1;
+  std::string profile = {};              ///< "ros2"
+  std::string library = {};              ///< which wrote the file
   size_t chunk_bytes = size_t{4} << 20;  ///< unpacked; a message is never split
 };
 
@@ -72,12 +69,12 @@ class McapWriter {
 
   McapWriterOptions options_;
   OutputFile file_;
-  ChunkPacker packer_;
   uint64_t position_ = 0;
   uint32_t crc_ = 0;  // of the data section
   std::vector<McapSchema> schemas_;
   std::vector<McapChannel> channels_;
   McapBytes chunk_;
+  McapBytes packed_;
   std::map<uint16_t, std::vector<TimeAndOffset>> chunk_messages_;
   std::vector<ChunkIndex> chunks_;
   std::vector<MetadataIndex> metadata_;

@@ -4,6 +4,7 @@
 #include "common/ros/mcap_reader.h"
 #include "common/ros/mcap_writer.h"
 #include "tests/common/logfile/sample_log.h"
+#include "tests/common/ros/repacked.h"
 #include "tests/common/ros/ros_examples.h"
 #include "tests/fuzz/targets.h"
 
@@ -91,17 +92,14 @@ void ReadMcapFile(std::span<const uint8_t> bytes) {
 std::vector<Bytes> McapSeeds() {
   std::vector<Bytes> seeds;
   const TemporaryDirectory folder;
-  for (const McapCompression compression :
-       {McapCompression::kNone, McapCompression::kZstd, McapCompression::kLz4}) {
-    McapWriter writer(
-        folder / "seed",
-        {.profile = "ros2", .library = "", .compression = compression, .chunk_bytes = 200});
+  for (const char* compression : {"", "zstd", "lz4"}) {
+    McapWriter writer(folder / "seed", {.profile = "ros2", .library = "", .chunk_bytes = 200});
     const uint16_t schema = writer.AddSchema("std_msgs/msg/String", "ros2msg", "string data\n");
     const uint16_t channel = writer.AddChannel(schema, "/topic", "cdr");
     for (uint32_t i = 0; i < 6; ++i) writer.Write(channel, i, i, Bytes(20 * i, uint8_t{7}));
     writer.AddMetadata("name", {{"key", "value"}});
     Check(writer.Commit().has_value(), "no seed");
-    seeds.push_back(ReadBytes(folder / "seed"));
+    seeds.push_back(Repacked(ReadBytes(folder / "seed"), compression));
   }
   return seeds;
 }

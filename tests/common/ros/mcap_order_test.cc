@@ -4,6 +4,7 @@
 #include <fstream>
 #include <memory>
 
+#include "common/ros/chunk_codec.h"
 #include "common/ros/mcap_reader.h"
 #include "common/ros/mcap_writer.h"
 #include "tests/common/logfile/sample_log.h"

@@ -6,6 +6,7 @@
 #include "common/ros/mcap_reader.h"
 #include "common/ros/mcap_writer.h"
 #include "tests/common/logfile/sample_log.h"
+#include "tests/common/ros/repacked.h"
 #include "tests/common/testing/test_with_folder.h"
 
 namespace sprout {
@@ -40,10 +41,8 @@ Bytes MessageData(int number) {
 }
 
 // 120 messages on two topics, and one metadata in the middle.
-Bytes MakeMcap(const TemporaryDirectory& folder, McapCompression compression) {
-  McapWriter writer(
-      folder / "made",
-      {.profile = "test", .library = "ours", .compression = compression, .chunk_bytes = 4000});
+Bytes MakeMcap(const TemporaryDirectory& folder, std::string_view compression = "zstd") {
+  McapWriter writer(folder / "made", {.profile = "test", .library = "ours", .chunk_bytes = 4000});
   const uint16_t schema = writer.AddSchema("a/msg/B", "ros2msg", "string data\n");
   const uint16_t first = writer.AddChannel(schema, "/first", "cdr", {{"key", "value"}});
   const uint16_t second = writer.AddChannel(0, "/second", "cdr");
@@ -52,16 +51,17 @@ Bytes MakeMcap(const TemporaryDirectory& folder, McapCompression compression) {
     if (i == 60) writer.AddMetadata("who", {{"a", "b"}});
   }
   EXPECT_TRUE(writer.Commit());
-  return ReadBytes(folder / "made");
+  const Bytes file = Repacked(ReadBytes(folder / "made"), compression);
+  WriteBytes(folder / "made", file);
+  return file;
 }
 
-constexpr McapCompression kCompressions[] = {McapCompression::kNone, McapCompression::kZstd,
-                                             McapCompression::kLz4};
+constexpr std::string_view kCompressions[] = {"", "zstd", "lz4"};
 
 class McapTest : public TestWithFolder {};
 
 TEST_F(McapTest, GivesBackWhatWasWritten) {
-  for (const McapCompression compression : kCompressions) {
+  for (const std::string_view compression : kCompressions) {
     MakeMcap(folder_, compression);
     McapReader reader(folder_ / "made");
     int count = 0;
@@ -81,7 +81,7 @@ TEST_F(McapTest, GivesBackWhatWasWritten) {
 }
 
 TEST_F(McapTest, TheSameMessagesGiveTheSameBytes) {
-  EXPECT_EQ(MakeMcap(folder_, McapCompression::kZstd), MakeMcap(folder_, McapCompression::kZstd));
+  EXPECT_EQ(MakeMcap(folder_), MakeMcap(folder_));
 }
 
 // Where records of the outer level begin, by opcode and length alone.
@@ -99,7 +99,7 @@ std::vector<std::pair<McapOpcode, size_t>> Borders(const Bytes& file) {
 
 // Of a file that was torn off, every message of its whole chunks is there, and one line says so.
 TEST_F(McapTest, GivesAllThatIsWholeOfATornFile) {
-  for (const McapCompression compression : kCompressions) {
+  for (const std::string_view compression : kCompressions) {
     const Bytes whole = MakeMcap(folder_, compression);
     const Content all = ReadMcap(folder_ / "made");
     // Messages of the chunks that end up to a byte.
@@ -120,7 +120,7 @@ TEST_F(McapTest, GivesAllThatIsWholeOfATornFile) {
     std::vector<size_t> places;
     for (const auto& [end, count] : chunk_ends)
       places.insert(places.end(), {end - 1, end, end + 1});
-    const size_t others = compression == McapCompression::kZstd ? 1000 : 50;
+    const size_t others = compression == "zstd" ? 1000 : 50;
     for (size_t i = 0; i < others; ++i) {
       places.push_back(kMcapMagic.size() + i * (whole.size() - kMcapMagic.size()) / others);
     }
@@ -138,7 +138,7 @@ TEST_F(McapTest, GivesAllThatIsWholeOfATornFile) {
 }
 
 TEST_F(McapTest, GoesOnBehindAChunkThatIsDamaged) {
-  for (const McapCompression compression : kCompressions) {
+  for (const std::string_view compression : kCompressions) {
     Bytes file = MakeMcap(folder_, compression);
     const auto borders = Borders(file);
     const auto chunk =
@@ -159,7 +159,7 @@ TEST_F(McapTest, GoesOnBehindAChunkThatIsDamaged) {
     EXPECT_THAT(torn.messages, IsEmpty());
     EXPECT_THAT(torn.trouble, testing::Contains(HasSubstr("chunk")));
   }
-  Bytes file = MakeMcap(folder_, McapCompression::kZstd);
+  Bytes file = MakeMcap(folder_);
   const auto borders = Borders(file);
   std::vector<size_t> chunks;
   for (const auto& [opcode, at] : borders) {
@@ -206,7 +206,7 @@ void InsertRecord(const std::filesystem::path& path, const Bytes& file, uint8_t 
 TEST_F(McapTest, SkipsAttachmentsAndWhatItDoesNotKnowByTheirLength) {
   constexpr uint64_t kBytes = uint64_t{3} << 30;
   constexpr int64_t kLittle = int64_t{100} << 20;
-  const Bytes file = MakeMcap(folder_, McapCompression::kZstd);
+  const Bytes file = MakeMcap(folder_);
   const int64_t before = PeakMemory();
   for (const int opcode : {0x00, 0x08, 0x09, 0x0A, 0x0D, 0x10, 0x80, 0xFF}) {
     InsertRecord(folder_ / "long", file, static_cast<uint8_t>(opcode), kBytes);
@@ -223,7 +223,7 @@ TEST_F(McapTest, SkipsAttachmentsAndWhatItDoesNotKnowByTheirLength) {
 }
 
 TEST_F(McapTest, EndsWhereNothingWasWritten) {
-  Bytes bytes = MakeMcap(folder_, McapCompression::kNone);
+  Bytes bytes = MakeMcap(folder_, "");
   const size_t whole = bytes.size();
   bytes.resize(whole / 2);
   WriteBytes(folder_ / "torn", bytes);
