@@ -53,7 +53,7 @@ constexpr Encoding kPictures[] = {
 };
 constexpr Encoding kRanges[] = {{"16UC1", CV_16UC1}, {"mono16", CV_16UC1}, {"32FC1", CV_32FC1}};
 
-int32_t Signed(uint32_t value) {
+int32_t SideOf(uint32_t value) {
   return static_cast<int32_t>(std::min<uint32_t>(value, std::numeric_limits<int32_t>::max()));
 }
 
@@ -67,16 +67,16 @@ Result<Encoding> FindEncoding(const RosImage& ros, std::span<const Encoding> kno
 
 // A view of its bytes, in this machine's byte order.
 Result<cv::Mat> ViewOf(const RosImage& ros, int type) {
-  const int64_t least = int64_t{CV_ELEM_SIZE(type)} * Signed(ros.width);
+  const int64_t least = int64_t{CV_ELEM_SIZE(type)} * SideOf(ros.width);
   Checks checks;
-  checks.Side("width", Signed(ros.width))
-      .Side("height", Signed(ros.height))
-      .Pixels("width × height", Signed(ros.width), Signed(ros.height))
+  checks.Side("width", SideOf(ros.width))
+      .Side("height", SideOf(ros.height))
+      .Pixels("width × height", SideOf(ros.width), SideOf(ros.height))
       .Require(ros.step >= least, "step", ros.step, "at least " + std::to_string(least))
       .Require(ros.data._length == uint64_t{ros.step} * ros.height, "data length", ros.data._length,
                "step × height");
   if (!checks.ok()) return checks.error();
-  const cv::Mat view(Signed(ros.height), Signed(ros.width), type, ros.data._buffer, ros.step);
+  const cv::Mat view(SideOf(ros.height), SideOf(ros.width), type, ros.data._buffer, ros.step);
   if (CV_ELEM_SIZE1(type) == 1 || (ros.is_bigendian != 0) == kIsBigEndian) return view;
   cv::Mat swapped(view.size(), type);
   const size_t bytes = CV_ELEM_SIZE1(type);
@@ -106,10 +106,6 @@ float FloatAt(const uint8_t* bytes, bool swap) {
   std::copy_n(bytes, 4, four.begin());
   if (swap) std::ranges::reverse(four);
   return std::bit_cast<float>(four);
-}
-
-int32_t SideOf(uint32_t value) {
-  return static_cast<int32_t>(std::min<uint32_t>(value, std::numeric_limits<int32_t>::max()));
 }
 
 template <size_t kSize>

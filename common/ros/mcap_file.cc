@@ -87,21 +87,6 @@ constexpr uint64_t kStretchBytes = uint64_t{1} << 20;
 // first time.
 constexpr size_t kMessageHead = 22;
 
-// Whether a record is looked at; all others are skipped by their length.
-bool IsOfUse(McapOpcode opcode) {
-  switch (opcode) {
-    case McapOpcode::kHeader:
-    case McapOpcode::kSchema:
-    case McapOpcode::kChannel:
-    case McapOpcode::kMessage:
-    case McapOpcode::kChunk:
-    case McapOpcode::kMetadata:
-      return true;
-    default:
-      return false;
-  }
-}
-
 bool IsMessage(const McapStretch& stretch, uint64_t end) {
   return !stretch.is_chunk && stretch.offset + stretch.size == end && stretch.size < kStretchBytes;
 }
@@ -210,20 +195,22 @@ void McapFile::Walk() {
     if (head.is_nothing()) {
       return Tell(offset, "no record, " + std::to_string(size_ - offset) + " bytes lost");
     }
-    if (IsOfUse(head.opcode) && head.size > kMaxMcapRecordBytes) {
+    const auto can_be_read = [&] {
+      if (head.size <= kMaxMcapRecordBytes) return true;
       Tell(offset, "a record of " + std::to_string(head.size) + " bytes: allowed are up to " +
                        std::to_string(kMaxMcapRecordBytes));
-      continue;
-    }
+      return false;
+    };
     switch (head.opcode) {
       case McapOpcode::kMessage:
       case McapOpcode::kChunk:
-        AddStretch(offset, head);
+        if (can_be_read()) AddStretch(offset, head);
         break;
       case McapOpcode::kHeader:
       case McapOpcode::kSchema:
       case McapOpcode::kChannel:
       case McapOpcode::kMetadata:
+        if (!can_be_read()) break;
         if (!ReadContent(offset + kRecordHead, head.size, content)) {
           return Tell(offset, "cannot be read");
         }
@@ -234,7 +221,7 @@ void McapFile::Walk() {
         has_ended_ = true;
         return ReadSummary(offset + kRecordHead + head.size);
       default:
-        break;  // what is not looked at is not read
+        break;  // what is not looked at is skipped by its length
     }
   }
   Tell(offset, "the file ends without an end of data");

@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <optional>
 #include <vector>
@@ -53,15 +52,12 @@ struct Discovery {
 std::vector<std::string> StaticPeers() {
   std::vector<std::string> peers;
   const std::string text = Variable("ROS_STATIC_PEERS");
-  for (size_t begin = 0; begin < text.size();) {
-    const size_t end = std::min(text.find(';', begin), text.size());
-    const std::string peer = text.substr(begin, end - begin);
+  for (const std::string_view peer : SplitAt(';', text)) {
     if (peer.find_first_of("<>&\"' ") != std::string::npos) {
       throw ConfigError("ROS_STATIC_PEERS = '" + text +
                         "': allowed are hosts, with ; between them");
     }
-    if (!peer.empty()) peers.push_back(peer);
-    begin = end + 1;
+    if (!peer.empty()) peers.emplace_back(peer);
   }
   return peers;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <tuple>
 #include <vector>
 
 namespace sprout {
@@ -182,9 +183,21 @@ constexpr RosType kParticipantEntities{
     "rmw_dds_common/NodeEntitiesInfo[] node_entities_info_seq\n",
     kUsesGidAndNode, "RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e"};
 
-constexpr std::array kTypes = {&kImage,       &kCompressedImage,    &kCameraInfo,
-                               &kPointCloud,  &kDisparity,          &kTransforms,
-                               &kDiagnostics, &kParticipantEntities};
+// A type that is sent by itself, found by its structure.
+template <typename T>
+struct TypeOf {
+  const RosType* type;
+};
+constexpr std::tuple kTypeOf = {TypeOf<RosImage>{&kImage},
+                                TypeOf<RosCompressedImage>{&kCompressedImage},
+                                TypeOf<RosCameraInfo>{&kCameraInfo},
+                                TypeOf<RosPointCloud>{&kPointCloud},
+                                TypeOf<RosDisparity>{&kDisparity},
+                                TypeOf<RosTransforms>{&kTransforms},
+                                TypeOf<RosDiagnostics>{&kDiagnostics},
+                                TypeOf<RosParticipantEntities>{&kParticipantEntities}};
+constexpr std::array kTypes =
+    std::apply([](auto... one) { return std::array{one.type...}; }, kTypeOf);
 
 // Each once, in the order in which they are met.
 void AddUsed(const RosType& type, std::vector<const RosType*>& used) {
@@ -203,38 +216,18 @@ std::string ShortName(std::string name) {
 
 }  // namespace
 
-template <>
-const RosType& RosTypeOf<RosImage>() {
-  return kImage;
+template <typename T>
+const RosType& RosTypeOf() {
+  return *std::get<TypeOf<T>>(kTypeOf).type;
 }
-template <>
-const RosType& RosTypeOf<RosCompressedImage>() {
-  return kCompressedImage;
-}
-template <>
-const RosType& RosTypeOf<RosCameraInfo>() {
-  return kCameraInfo;
-}
-template <>
-const RosType& RosTypeOf<RosPointCloud>() {
-  return kPointCloud;
-}
-template <>
-const RosType& RosTypeOf<RosDisparity>() {
-  return kDisparity;
-}
-template <>
-const RosType& RosTypeOf<RosTransforms>() {
-  return kTransforms;
-}
-template <>
-const RosType& RosTypeOf<RosDiagnostics>() {
-  return kDiagnostics;
-}
-template <>
-const RosType& RosTypeOf<RosParticipantEntities>() {
-  return kParticipantEntities;
-}
+template const RosType& RosTypeOf<RosImage>();
+template const RosType& RosTypeOf<RosCompressedImage>();
+template const RosType& RosTypeOf<RosCameraInfo>();
+template const RosType& RosTypeOf<RosPointCloud>();
+template const RosType& RosTypeOf<RosDisparity>();
+template const RosType& RosTypeOf<RosTransforms>();
+template const RosType& RosTypeOf<RosDiagnostics>();
+template const RosType& RosTypeOf<RosParticipantEntities>();
 
 std::span<const RosType* const> RosTypes() { return kTypes; }
 

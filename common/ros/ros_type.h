@@ -48,22 +48,6 @@ inline constexpr uint8_t kRosFloat32 = 7;
 /// The type of a structure that is sent by itself.
 template <typename T>
 const RosType& RosTypeOf();
-template <>
-const RosType& RosTypeOf<RosImage>();
-template <>
-const RosType& RosTypeOf<RosCompressedImage>();
-template <>
-const RosType& RosTypeOf<RosCameraInfo>();
-template <>
-const RosType& RosTypeOf<RosPointCloud>();
-template <>
-const RosType& RosTypeOf<RosDisparity>();
-template <>
-const RosType& RosTypeOf<RosTransforms>();
-template <>
-const RosType& RosTypeOf<RosDiagnostics>();
-template <>
-const RosType& RosTypeOf<RosParticipantEntities>();
 
 /// All of them.
 std::span<const RosType* const> RosTypes();
