@@ -43,6 +43,10 @@ struct PairRules {
   /// Share of the pixels; at most 0.33 were seen, the sky of a street (KITTI).
   static constexpr double kMaxClipped = 0.45;
   static constexpr double kWhite = 253;  ///< brighter ones are clipped; JPEG changes 255 a little
+  /// Neighbours of a row differ by so many times what every second pixel does: 0.55 to 0.73 in
+  /// images, also in strongly compressed ones, 1 where all is noise, 0.97 (pale) to 25 in raw
+  /// mosaics.
+  static constexpr double kMosaic = 1.1;
   /// Right over left or left over right: 0.83 (ETH3D's playground) to 1.01 in good pairs. At 0.8
   /// preset `fast` loses most of its pixels, from 0.7 on `default` much confidence (NOTES.md).
   static constexpr double kMaxContrast = 1.23;
@@ -251,6 +255,17 @@ double ShareClipped(const cv::Mat1b& image) {
   return cv::countNonZero(rows > PairRules::kWhite) / static_cast<double>(rows.total());
 }
 
+// How many times as much as every second pixel of a row neighbours differ: behind a colour filter
+// every second pixel has another colour.
+double MosaicOf(const cv::Mat1b& image) {
+  const cv::Mat1b rows = SomeRows(image);
+  if (rows.cols < 3) return 0;
+  const cv::Mat1b first = rows.colRange(0, rows.cols - 2);
+  const double next = cv::norm(first, rows.colRange(1, rows.cols - 1), cv::NORM_L1);
+  const double second = cv::norm(first, rows.colRange(2, rows.cols), cv::NORM_L1);
+  return next / std::max(1.0, second);
+}
+
 Finding JudgeBits(const cv::Mat1b& left, const cv::Mat1b& right) {
   Finding finding{.question = Question::kBits, .sigma = 0};
   double of_left = 0;
@@ -262,6 +277,7 @@ Finding JudgeBits(const cv::Mat1b& left, const cv::Mat1b& right) {
   const double left_contrast = ContrastOf(left);
   const double right_contrast = ContrastOf(right);
   const double clipped = std::max(ShareClipped(left), ShareClipped(right));
+  const double mosaic = std::max(MosaicOf(left), MosaicOf(right));
   if (brightest > PairRules::kFewLevels &&
       std::min(left_contrast, right_contrast) < PairRules::kBlank) {
     finding.verdict = Verdict::kBad;
@@ -279,6 +295,12 @@ Finding JudgeBits(const cv::Mat1b& left, const cv::Mat1b& right) {
     finding.verdict = Verdict::kBad;
     finding.text =
         fmt::format("{:.0f} % of the pixels are white: expose both images shorter", 100 * clipped);
+  } else if (mosaic > PairRules::kMosaic) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format(
+        "neighbouring pixels differ {:.1f} times as much as every second ones: are these raw "
+        "images behind a colour filter (Bayer)? give the demosaiced ones, or tell the pattern",
+        mosaic);
   } else {
     finding.verdict = Verdict::kGood;
     finding.text =

@@ -64,6 +64,27 @@ TEST(CheckInputs, SaysThatAnImageIsBlank) {
   ExpectBad(parts, Question::kBits, "right image is blank");
 }
 
+TEST(CheckInputs, SaysThatImagesAreRawMosaics) {
+  const Parts scene = SceneOf();
+  // As a scene whose green is brighter than its red and blue.
+  const auto behind_filter = [](cv::Mat1b& image) {
+    for (int y = 0; y < image.rows; ++y) {
+      for (int x = y % 2; x < image.cols; x += 2) image(y, x) /= 2;
+    }
+  };
+  for (const bool in_right : {false, true}) {
+    Parts parts = scene;
+    behind_filter(in_right ? parts.right : parts.left);
+    ExpectBad(parts, Question::kBits, "behind a colour filter");
+  }
+  // Noise has no neighbours.
+  Parts parts = scene;
+  for (cv::Mat1b* image : {&parts.left, &parts.right}) {
+    cv::RNG(1).fill(*image, cv::RNG::UNIFORM, 0, 250);
+  }
+  EXPECT_EQ(parts.Answer(Question::kBits).verdict, Verdict::kGood);
+}
+
 TEST(CheckInputs, MeasuresOneContrast) {
   for (const double contrast : {0.25, 0.7, 1.0, 1.5}) {
     Parts parts = SceneOf();
