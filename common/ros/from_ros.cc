@@ -90,22 +90,35 @@ Result<cv::Mat> ViewOf(const RosImage& ros, int type) {
   return swapped;
 }
 
-// Byte in a point at which a coordinate stands.
-std::optional<uint32_t> OffsetOf(const RosPointCloud& ros, std::string_view name) {
+// A number of a point, FLOAT32 or FLOAT64.
+struct Coordinate {
+  uint32_t offset;
+  bool is_double;
+
+  double At(const uint8_t* point, bool swap) const {
+    return is_double ? Number<double>(point + offset, swap) : Number<float>(point + offset, swap);
+  }
+
+ private:
+  template <typename T>
+  static T Number(const uint8_t* at, bool swap) {
+    std::array<uint8_t, sizeof(T)> bytes{};
+    std::copy_n(at, bytes.size(), bytes.begin());
+    if (swap) std::ranges::reverse(bytes);
+    return std::bit_cast<T>(bytes);
+  }
+};
+
+std::optional<Coordinate> CoordinateOf(const RosPointCloud& ros, std::string_view name) {
   for (const RosPointField& field : RosSpan(ros.fields)) {
     if (RosText(field.name) != name) continue;
-    const bool fits = field.offset <= ros.point_step && ros.point_step - field.offset >= 4;
-    if (field.datatype != kRosFloat32 || !fits) return std::nullopt;
-    return field.offset;
+    const bool is_double = field.datatype == kRosFloat64;
+    const uint32_t size = is_double ? 8 : 4;
+    const bool fits = field.offset <= ros.point_step && ros.point_step - field.offset >= size;
+    if ((field.datatype != kRosFloat32 && !is_double) || !fits) return std::nullopt;
+    return Coordinate{field.offset, is_double};
   }
   return std::nullopt;
-}
-
-float FloatAt(const uint8_t* bytes, bool swap) {
-  std::array<uint8_t, 4> four{};
-  std::copy_n(bytes, 4, four.begin());
-  if (swap) std::ranges::reverse(four);
-  return std::bit_cast<float>(four);
 }
 
 template <size_t kSize>
@@ -226,13 +239,13 @@ Result<std::vector<Eigen::Vector3d>> FromRosCloud(const RosPointCloud& ros) {
   constexpr uint64_t kMaxPoints = 20'000'000;
   constexpr double kFarthestM = 1000;
   const uint64_t count = uint64_t{ros.width} * ros.height;
-  const std::optional<uint32_t> x = OffsetOf(ros, "x");
-  const std::optional<uint32_t> y = OffsetOf(ros, "y");
-  const std::optional<uint32_t> z = OffsetOf(ros, "z");
+  const std::optional<Coordinate> x = CoordinateOf(ros, "x");
+  const std::optional<Coordinate> y = CoordinateOf(ros, "y");
+  const std::optional<Coordinate> z = CoordinateOf(ros, "z");
   Checks checks;
   checks
       .Require(x && y && z, "fields", RosSpan(ros.fields).size(),
-               "fields x, y and z of FLOAT32 within point_step")
+               "fields x, y and z of FLOAT32 or FLOAT64 within point_step")
       .Require(count <= kMaxPoints, "width × height", count,
                "up to " + std::to_string(kMaxPoints) + " points")
       .Require(ros.row_step >= uint64_t{ros.width} * ros.point_step, "row_step", ros.row_step,
@@ -247,8 +260,7 @@ Result<std::vector<Eigen::Vector3d>> FromRosCloud(const RosPointCloud& ros) {
   for (uint32_t v = 0; v < ros.height; ++v) {
     const uint8_t* at = ros.data._buffer + size_t{v} * ros.row_step;
     for (uint32_t u = 0; u < ros.width; ++u, at += ros.point_step) {
-      const Eigen::Vector3d point(FloatAt(at + *x, swap), FloatAt(at + *y, swap),
-                                  FloatAt(at + *z, swap));
+      const Eigen::Vector3d point(x->At(at, swap), y->At(at, swap), z->At(at, swap));
       if (point.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= kFarthestM) points.push_back(point);
     }
   }

@@ -44,6 +44,7 @@ using RosParticipantEntities = rmw_dds_common_msg_dds__ParticipantEntitiesInfo_;
 /// PointField's numbers of types.
 inline constexpr uint8_t kRosUint8 = 2;
 inline constexpr uint8_t kRosFloat32 = 7;
+inline constexpr uint8_t kRosFloat64 = 8;
 
 /// The type of a structure that is sent by itself.
 template <typename T>

@@ -69,6 +69,8 @@ struct ProjectionKeys {
 };
 
 ProjectionKeys KeysOf(const CalibrationLines& file, bool grey) {
+  // The one pair of KITTI-360, in colour, has the names that grey ones have elsewhere.
+  grey = grey || (file.Has("P_rect_00") && !file.Has("P_rect_02") && !file.Has("P2"));
   const std::string prefix = file.Has(grey ? "P_rect_00" : "P_rect_02") ? "P_rect_0" : "P";
   return {prefix + (grey ? "0" : "2"), prefix + (grey ? "1" : "3")};
 }

@@ -18,7 +18,8 @@ struct KittiCalibration {
 
 /// Reads the pair alone from any of KITTI's calibrations, also calib.txt of its sequences and
 /// calib_cam_to_cam.txt of its raw drives: P2 and P3 (P_rect_02, P_rect_03), the colour cameras, or
-/// with `grey` P0 and P1. See ReadKittiCalibration().
+/// with `grey` P0 and P1; P_rect_00 and P_rect_01 where there are no others (KITTI-360). See
+/// ReadKittiCalibration().
 RectifiedPair ReadKittiPair(const std::filesystem::path& file, cv::Size size, bool grey = false);
 
 /// The calibration of a rectified pair, of a file that was read before.

@@ -133,7 +133,7 @@ Result<cv::Mat1f> ReadRangeFile(const std::filesystem::path& path, std::optional
   if (image.type() == CV_16UC1) {
     return DepthOfCounts(image, unit_m.value_or(kMetresPerMillimetre));
   }
-  if (image.type() != CV_32FC1) {
+  if (image.type() != CV_32FC1 && image.type() != CV_64FC1) {
     return Fail("range image " + path.string() + ": of OpenCV's type " +
                 cv::typeToString(image.type()) +
                 "; allowed: one channel of 16 bits (mm), or of floating point (m; PFM, TIFF)");

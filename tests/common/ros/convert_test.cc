@@ -288,6 +288,19 @@ TEST(FromRos, PointsOfAnyLayout) {
   cloud->row_step = 50;
   fields[0].offset = 19;
   EXPECT_THAT(ErrorOf(FromRosCloud(*cloud)), HasSubstr("fields x, y and z of FLOAT32"));
+  // A double of z where it is now, in the bytes of ring and x.
+  fields[0].offset = 0;
+  fields[0].datatype = 8;
+  fields[2].offset = 14;
+  for (size_t i = 0; i < 4; ++i) {
+    const double z = 7;
+    std::memcpy(data + 50 * (i / 2) + 22 * (i % 2), &z, 8);
+    std::memcpy(data + 50 * (i / 2) + 22 * (i % 2) + 14, &xyz[0][0], 4);
+  }
+  ASSERT_EQ(FromRosCloud(*cloud)->size(), 4U);
+  EXPECT_EQ((*FromRosCloud(*cloud))[2], Eigen::Vector3d(1, -5, 7));
+  fields[0].offset = 15;
+  EXPECT_THAT(ErrorOf(FromRosCloud(*cloud)), HasSubstr("FLOAT64 within point_step"));
 }
 
 TEST(FromRos, ACloudOfEmptyRowsTakesNoTime) {

@@ -118,6 +118,11 @@ TEST_F(KittiLayouts, RawDrivesHaveTheirDaysCalibrationInTheFolderAbove) {
   // --calib of sprout-pipeline files reads the same file.
   EXPECT_NEAR(OpenCalibFile(folder_.File("calib_cam_to_cam.txt"))(kSize, true).baseline_m, 0.54,
               1e-12);
+  // KITTI-360's one pair is in colour.
+  folder_.WriteText("perspective.txt",
+                    "P_rect_00: 100 0 20 0 0 100 15 0 0 0 1 0\nR_rect_01: 1 0 0 0 1 0 0 0 1\n"
+                    "P_rect_01: 100 0 20 -59 0 100 15 0 0 0 1 0\n");
+  EXPECT_NEAR(OpenCalibFile(folder_.File("perspective.txt"))(kSize, false).baseline_m, 0.59, 1e-12);
 }
 
 }  // namespace

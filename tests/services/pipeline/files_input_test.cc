@@ -263,9 +263,13 @@ TEST_F(FilesInput, OfRangesAreInTheUnitThatIsGiven) {
   EXPECT_EQ(Run(), 0) << err_;
   EXPECT_GT(Right(Depth()), 95);
   options_.pixels.tof_unit = "";
-  options_.tof = Write("tof.tiff", cv::Mat(mm / 1000));
-  EXPECT_EQ(Run(), 0) << err_;
-  EXPECT_GT(Right(Depth()), 95);
+  for (const int type : {CV_32F, CV_64F}) {  // NumPy's own is 64 bits
+    cv::Mat metres;
+    mm.convertTo(metres, type, 0.001);
+    options_.tof = Write("tof.tiff", metres);
+    EXPECT_EQ(Run(), 0) << err_;
+    EXPECT_GT(Right(Depth()), 95);
+  }
 }
 
 TEST_F(FilesInput, OfRangesThatAreWrongAreComputedWithout) {
