@@ -202,10 +202,12 @@ std::optional<PairedNames> ByKey(const Keys& first, const Keys& second) {
 std::optional<int64_t> StampOf(std::string_view name) {
   constexpr size_t kSecondDigits = 10;  // 2001 to 2286
   constexpr size_t kNanosecondDigits = 9;
+  constexpr size_t kGpsDigits = 18;  // nanoseconds, 1973 to 2001: Argoverse counts from GPS's begin
   const auto is_number = [](std::string_view text) {
     return !text.empty() && std::ranges::all_of(text, IsDigit);
   };
   if (name.size() < kSecondDigits || name.front() == '0') return std::nullopt;
+  if (name.size() == kGpsDigits && is_number(name)) return ParseNumber<int64_t>(name);
   const std::string_view seconds = name.substr(0, kSecondDigits);
   std::string_view fraction = name.substr(kSecondDigits);
   const bool has_point = !fraction.empty() && !IsDigit(fraction.front());

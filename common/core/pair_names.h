@@ -54,8 +54,8 @@ PairedNames PairTimes(std::span<const int64_t> first, std::span<const int64_t> s
                       double max_spread_ms);
 
 /// The time that a name stands for, ns since 1970: a number of seconds, milliseconds, microseconds
-/// or nanoseconds (10, 13, 16 or 19 digits), or of seconds with a fraction behind '.', '_' or '-'.
-/// Nothing for other names, also for numbers that begin with 0.
+/// or nanoseconds (10, 13, 16 or 19 digits, 18 before 2001), or of seconds with a fraction behind
+/// '.', '_' or '-'. Nothing for other names, also for numbers that begin with 0.
 std::optional<int64_t> StampOf(std::string_view name);
 
 /// Whether a name comes before another: numbers in them by their value (2 before 10).

@@ -72,20 +72,22 @@ class MergedLog {
   bool is_there_ = false;
 };
 
-// Finds frames that have two different messages on one channel. Some 100 bytes a message.
+// Finds frames that have a message on one channel in two logs. Some 100 bytes a message.
 class AnswerCheck {
  public:
-  /// @throws LogError for a second answer.
-  void Add(const MergedLog& log) {
+  /// Whether another log has had this very message, as where two recorders listened to one graph.
+  /// @throws LogError when another log has had another one for its frame.
+  bool IsRepeated(const MergedLog& log) {
     const LogEvent& event = log.event();
-    if (!HasAnswers(event.channel)) return;
+    if (!HasAnswers(event.channel)) return false;
     const Result<FrameId> id = DecodeFrameId(event.data);
-    if (!id) return;
+    if (!id) return false;
     auto& answers = answers_.try_emplace(std::string(event.channel)).first->second;
     const uint64_t hash =
         Hash({reinterpret_cast<const char*>(event.data.data()), event.data.size()});
     const auto [known, is_new] = answers.try_emplace({id->utime, id->seq}, hash, &log);
-    if (is_new || known->second.first == hash || known->second.second == &log) return;
+    if (is_new || known->second.second == &log) return false;
+    if (known->second.first == hash) return true;
     throw LogError(log.path(),
                    fmt::format("{} of frame {} is another than in {}; --replace takes the channel "
                                "from the last log that has it",
@@ -136,9 +138,13 @@ int RunMerge(const MergeOptions& options) {
   LogWriter out(options.out, options.force, OutputFile::OverInput::kAllowed);
   ReadProgress progress("merging", bytes);
   AnswerCheck check;
+  int64_t repeated = 0;
   for (MergedLog* next = &NextOf(logs); next->is_there(); next = &NextOf(logs)) {
-    if (!options.replace) check.Add(*next);
-    out.Write(next->event().utime, next->event().channel, next->event().data);
+    if (!options.replace && check.IsRepeated(*next)) {
+      ++repeated;
+    } else {
+      out.Write(next->event().utime, next->event().channel, next->event().data);
+    }
     next->Advance();
     int64_t position = 0;
     for (const auto& log : logs) position += log->reader().position();
@@ -147,7 +153,9 @@ int RunMerge(const MergeOptions& options) {
   progress.Clear();
   for (const auto& log : logs) WarnOfDamage(log->path(), log->reader().damage());
   out.Close();
-  PrintLine(fmt::format("{}: {} of {} events", options.out.string(), out.events(), out.events()));
+  PrintLine(fmt::format("{}: {} of {} events", options.out.string(), out.events(),
+                        out.events() + repeated) +
+            (repeated > 0 ? "; messages of frames that two logs have are there once" : ""));
   return 0;
 }
 

@@ -118,6 +118,10 @@ TEST(PairNames, LooksAtTheNamesOfOneFileEach) {
   EXPECT_THAT(PairsOf({"left_1.png"}, {"right_2.png"}), ElementsAre("left_1.png=right_2.png"));
   EXPECT_EQ(RuleOf({"left_1.png"}, {"right_2.png"}), PairedBy::kOrder);
   EXPECT_EQ(RuleOf({"l/1.png"}, {"r/1.png"}), PairedBy::kName);
+  // Argoverse: each lost another frame.
+  EXPECT_THAT(PairsOf({"315967900949927215.png", "315967901149927217.png"},
+                      {"315967901049927216.png", "315967901149927219.png"}),
+              ElementsAre("315967901149927217.png=315967901149927219.png"));
   EXPECT_THAT(PairsOf({"1403636579763.png"}, {"1403636579863.png"}),
               ElementsAre(HasSubstr("differ by 100 ms")));
 }
@@ -127,6 +131,7 @@ TEST(StampOf, KnowsSecondsToNanoseconds) {
   EXPECT_EQ(StampOf("1403636579"), 1403636579 * kSecond);
   EXPECT_EQ(StampOf("1403636579763"), 1403636579 * kSecond + 763'000'000);
   EXPECT_EQ(StampOf("1403636579763555584"), 1403636579763555584);
+  EXPECT_EQ(StampOf("315967900949927215"), 315967900949927215);
   EXPECT_EQ(StampOf("1305031102.175304"), 1305031102 * kSecond + 175'304'000);
   EXPECT_EQ(StampOf("1305031102_175304123"), 1305031102 * kSecond + 175'304'123);
   for (const char* name :

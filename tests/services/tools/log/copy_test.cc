@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
+#include <map>
 
 #include "tests/services/tools/log/graph_log.h"
 
@@ -180,9 +181,23 @@ TEST(LogMerge, TakesNewAnswersInThePlaceOfOldOnesOnlyWhenTold) {
   EXPECT_EQ(priors, 4);
   EXPECT_EQ(statuses, 5);
   EXPECT_EQ(ReadLog(out).events.size(), events.size() + 1);
-  // What is the same in both is no second answer.
-  const auto copy = folder.Write("copy", events);
-  EXPECT_EQ(RunLog({"merge", recorded, copy, "--out", folder.File("twice")}).exit_code, 0);
+}
+
+TEST(LogMerge, OfTwoRecordersHasEachMessageOfAFrameOnce) {
+  const LogFolder folder;
+  const auto events = GraphEvents(4);
+  auto later = events;
+  for (Event& event : later) event.utime += 500;
+  const auto out = folder.File("out");
+  const auto result =
+      RunLog({"merge", folder.Write("a", events), folder.Write("b", later), "--out", out});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.out, testing::HasSubstr("are there once"));
+  std::map<std::string, int> counts;
+  for (const Event& event : ReadLog(out).events) ++counts[event.channel];
+  EXPECT_EQ(counts["SPROUT_LEFT"], 4);
+  EXPECT_EQ(counts["SPROUT_PRIOR"], 4);
+  EXPECT_EQ(counts["SPROUT_STATUS"], 8) << "of no frame";
 }
 
 TEST(LogMerge, RefusesOneLogTwice) {
