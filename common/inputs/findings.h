@@ -41,6 +41,8 @@ struct Finding {
   double sigma = kUnknown;
   /// One line without an end: what was found, and where it is bad, the cure; why one cannot tell.
   std::string text = {};
+  /// The flag of `sprout-pipeline files` that puts it right, as "--tof-unit cm"; empty: none does.
+  std::string flag = {};
 };
 
 /// "scene", "time", "sides", "rows", "bits", "contrast", "hits", "place", "scale", "moment".

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "common/core/tof_image.h"
 
@@ -42,32 +43,31 @@ struct RangeVerdicts {
   static constexpr double kMinMoveM = 0.2;
 };
 
-// True metres of a number, and what it is read as.
+// True metres of a number, what it is read as, and its name.
 struct UnitRow {
   double factor;
   const char* text;
+  const char* unit;
 };
 constexpr UnitRow kUnits[] = {
-    {1000.0 / 256, "is the file in 1/256 m, and read as mm? --tof-unit 1/256"},
-    {1000.0 / 5000, "is the file in 1/5000 m, and read as mm? --tof-unit 1/5000"},
-    {1e-3,
-     "are they in mm, and read as m (--tof-unit mm), or is the baseline in m, and read as mm?"},
-    {1e3, "are they in m, and read as mm (--tof-unit m), or is the baseline in mm, and read as m?"},
-    {10, "are they in cm, and read as mm? --tof-unit cm"},
-    {1e-2, "are they in cm, and read as m? --tof-unit cm"},
-    {0.1, "are they in 1/10 mm, and read as mm? --tof-unit 1/10000"},
-    {0.25, "are they in 1/4 mm, and read as mm? --tof-unit 1/4000"},
-    {0.125, "are they in 1/8 mm, and read as mm? --tof-unit 1/8000"},
-    {1.0 / 256, "are they in 1/256 m, and read as m? --tof-unit 1/256"},
-    {1.0 / 5000, "are they in 1/5000 m, and read as m? --tof-unit 1/5000"},
-    {0.3048,
-     "are they in feet, and read as m (--tof-unit 0.3048), or in 1/1000 foot, and read as mm "
-     "(--tof-unit 0.0003048)?"},
+    {1000.0 / 256, "is the file in 1/256 m, and read as mm?", "1/256"},
+    {1000.0 / 5000, "is the file in 1/5000 m, and read as mm?", "1/5000"},
+    {1e-3, "are they in mm, and read as m, or is the baseline in m, and read as mm?", "mm"},
+    {1e3, "are they in m, and read as mm, or is the baseline in mm, and read as m?", "m"},
+    {10, "are they in cm, and read as mm?", "cm"},
+    {1e-2, "are they in cm, and read as m?", "cm"},
+    {0.1, "are they in 1/10 mm, and read as mm?", "1/10000"},
+    {0.25, "are they in 1/4 mm, and read as mm?", "1/4000"},
+    {0.125, "are they in 1/8 mm, and read as mm?", "1/8000"},
+    {1.0 / 256, "are they in 1/256 m, and read as m?", "1/256"},
+    {1.0 / 5000, "are they in 1/5000 m, and read as m?", "1/5000"},
+    {0.3048, "are they in feet, and read as m, or in 1/1000 foot, and read as mm?",
+     "0.3048 or 0.0003048"},
 };
-constexpr char kOtherUnit[] = "do focal length and baseline belong to these images?";
+constexpr UnitRow kOtherUnit = {1, "do focal length and baseline belong to these images?", ""};
 
-std::string CureOf(double factor, double sigma) {
-  const UnitRow* best = nullptr;
+const UnitRow& UnitOf(double factor, double sigma) {
+  const UnitRow* best = &kOtherUnit;
   double least = std::max(0.03, 4 * sigma / factor);
   for (const UnitRow& unit : kUnits) {
     const double off = std::abs(std::log(factor / unit.factor));
@@ -75,7 +75,11 @@ std::string CureOf(double factor, double sigma) {
     least = off;
     best = &unit;
   }
-  return best == nullptr ? kOtherUnit : best->text;
+  return *best;
+}
+
+std::string FlagOf(std::string_view unit) {
+  return unit.empty() ? "" : "--tof-unit " + std::string(unit);
 }
 
 const char* NameOf(const Turn& turn) {
@@ -173,7 +177,7 @@ std::string FaultOf(const RangeModel& model) {
       model.in_both < RangeVerdicts::kHitsBoth * model.in_picture) {
     return fmt::format(
         "{} of {} range points in the left picture lie outside the right one, as what is too near: "
-        "in which unit are ranges (--tof-unit), where does the range sensor stand (rig file), and "
+        "in which unit are ranges, where does the range sensor stand (rig file), and "
         "do focal length and baseline belong to these images?",
         model.in_picture - model.in_both, model.in_picture);
   }
@@ -191,9 +195,8 @@ std::string FaultOf(const RangeModel& model) {
            ": where does the range sensor stand, and in which unit are ranges (rig file)?";
   }
   if (model.values > 0) {
-    return fmt::format(
-        "all {} ranges are beyond {:.0f} m: are they in mm, and read as m? --tof-unit",
-        model.values, kMaxTofDepthM);
+    return fmt::format("all {} ranges are beyond {:.0f} m: are they in mm, and read as m?",
+                       model.values, kMaxTofDepthM);
   }
   return fmt::format(
       "none of the {} pixels of the range image has a return: is the range "
@@ -207,7 +210,8 @@ Finding JudgeHits(const RangeModel& model) {
           .verdict = fault.empty() ? Verdict::kGood : Verdict::kBad,
           .value = 100 * Share(model.in_picture, model.values),
           .sigma = 0,
-          .text = fault.empty() ? ReturnsText(model) : fault};
+          .text = fault.empty() ? ReturnsText(model) : fault,
+          .flag = model.returns == 0 && model.values > 0 ? FlagOf("mm") : ""};
 }
 
 std::string SideText(double px, const char* less, const char* more) {
@@ -256,9 +260,11 @@ Finding JudgeScale(const RangeModel& model, bool is_turned) {
     const double sigma = factor * model.ratio.sigma / model.ratio.value;
     const bool is_short = factor > 1;
     finding.verdict = Verdict::kBad;
-    finding.text = fmt::format("ranges are {:.4g} ± {:.1g} times too {}: {}",
-                               is_short ? factor : 1 / factor, is_short ? sigma : model.ratio.sigma,
-                               is_short ? "short" : "long", CureOf(factor, sigma));
+    const UnitRow& unit = UnitOf(factor, sigma);
+    finding.text =
+        fmt::format("ranges are {:.4g} ± {:.1g} times too {}: {}", is_short ? factor : 1 / factor,
+                    is_short ? sigma : model.ratio.sigma, is_short ? "short" : "long", unit.text);
+    finding.flag = FlagOf(unit.unit);
   } else if (!is_turned && IsSpread(model)) {
     finding.verdict = Verdict::kBad;
     finding.text = fmt::format(

@@ -151,9 +151,12 @@ Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline
     Result<Frame> frame = reader.Read(pair);
     if (!frame) return tl::unexpected(frame.error());
     const auto begun = Clock::now();
-    const inputs::Findings findings =
+    inputs::Findings findings =
         inputs::CheckInputs(frame->left, frame->right,
                             RangesOf(*frame, config.refine().unambiguous_range_m()), *frame->rig);
+    for (inputs::Finding& finding : findings) {
+      if (!finding.flag.empty()) finding.text += " " + finding.flag;
+    }
     std::string complaint = BadText(findings);
     // Ranges that are noise, hit nothing, or have another scale would spoil what the pair shows.
     const bool has_map_without = config.refine().stereo_seeds();

@@ -198,15 +198,20 @@ TEST(CheckInputs, NamesTheUnitOfRanges) {
   struct Case {
     double factor;
     const char* text;
+    const char* flag;
   };
-  for (const auto& [factor, text] : {Case{256.0 / 1000, "3.906"}, Case{5000.0 / 1000, "1/5000 m"},
-                                     Case{1000, "in mm, and read as m"}, Case{10, "1/10 mm"},
-                                     Case{1.3, "focal length and baseline"}}) {
+  for (const auto& [factor, text, flag] :
+       {Case{256.0 / 1000, "3.906", "--tof-unit 1/256"},
+        Case{5000.0 / 1000, "1/5000 m", "--tof-unit 1/5000"},
+        Case{1000, "in mm, and read as m", "--tof-unit mm"},
+        Case{10, "1/10 mm", "--tof-unit 1/10000"}, Case{1.3, "focal length and baseline", ""}}) {
     const Parts parts = Scaled(factor);
     const Finding finding = parts.Answer(Question::kScale);
     EXPECT_EQ(finding.verdict, Verdict::kBad) << factor;
     EXPECT_NEAR(finding.value / factor, 1, 0.01);
     EXPECT_THAT(finding.text, HasSubstr(text));
+    EXPECT_THAT(finding.text, testing::Not(HasSubstr("--"))) << "a graph has no such flags";
+    EXPECT_EQ(finding.flag, flag);
     EXPECT_NE(parts.Answer(Question::kPlace).verdict, Verdict::kBad);
   }
 }

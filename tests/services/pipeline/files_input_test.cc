@@ -257,9 +257,12 @@ TEST_F(FilesInput, OfRangesAreInTheUnitThatIsGiven) {
   }
   cv::Mat1f mm;
   RangePicture(1000).convertTo(mm, CV_32F);
-  options_.pixels.tof_unit = "mm";
   options_.tof = Path("tof.PFM");
   ASSERT_TRUE(WritePfm(options_.tof, mm));
+  options_.pixels.tof_unit = "m";
+  EXPECT_EQ(Run(), 1);
+  EXPECT_THAT(err_, HasSubstr("and read as mm? --tof-unit mm"));
+  options_.pixels.tof_unit = "mm";
   EXPECT_EQ(Run(), 0) << err_;
   EXPECT_GT(Right(Depth()), 95);
   options_.pixels.tof_unit = "";
