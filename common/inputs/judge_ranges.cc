@@ -252,6 +252,12 @@ Finding JudgePlace(const RangeModel& model) {
   return finding;
 }
 
+std::string SpreadText(const cv::Point2d& spread) {
+  const bool are_alike = std::abs(spread.y / spread.x - 1) < 1e-6;
+  return are_alike ? fmt::format("{:.2f}", spread.x)
+                   : fmt::format("{:.2f} (across) and {:.2f} (down)", spread.x, spread.y);
+}
+
 Finding JudgeScale(const RangeModel& model, bool is_turned) {
   Finding finding{
       .question = Question::kScale, .value = model.ratio.value, .sigma = model.ratio.sigma};
@@ -268,11 +274,11 @@ Finding JudgeScale(const RangeModel& model, bool is_turned) {
   } else if (!is_turned && IsSpread(model)) {
     finding.verdict = Verdict::kBad;
     finding.text = fmt::format(
-        "the range image has {:.2f} times the field of view that it is taken for{} (then {:.0f} % "
-        "of its points are within 1 % of stereo, as it is {:.0f} %): give the sensor's own lens "
+        "the range image has {} times the field of view that it is taken for (then {:.0f} % of its "
+        "points are within 1 % of stereo, as it is {:.0f} %): give the sensor's own lens "
         "(--tof-rig, CameraInfo)",
-        model.spread.spread, model.spread.is_square ? ", and square pixels" : "",
-        100 * model.spread.close_share(), 100 * model.as_is.close_share());
+        SpreadText(model.spread.spread), 100 * model.spread.close_share(),
+        100 * model.as_is.close_share());
   } else if (!is_turned && model.as_is.compared >= RangeVerdicts::kFewCompared &&
              model.as_is.share() >= RangeVerdicts::kGood) {
     finding.verdict = Verdict::kGood;

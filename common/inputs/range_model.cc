@@ -36,7 +36,7 @@ struct RangeRules {
   /// Widths of the field of view that are tried first, shares of what the calibration says.
   static constexpr double kSpreads[] = {0.5,  0.6,  0.7,  0.8, 0.87, 0.93,
                                         1.07, 1.15, 1.25, 1.4, 1.7,  2};
-  static constexpr double kOblong = 0.02;  ///< pixels that are less so are square
+  static constexpr double kSquare = 0.03;  ///< of |ln(fy/fx)|: less is a square pixel
   static constexpr double kApart = 0.1;    ///< see RangeModel::apart
 };
 
@@ -51,8 +51,7 @@ struct Hypothesis {
   Turn turn = {};
   double ahead_m = 0;
   cv::Point2d move_px = {0, 0};
-  double spread = 1;
-  bool is_square = false;
+  cv::Point2d spread = {1, 1};
 };
 
 // All values of a range image, and how many are returns.
@@ -118,7 +117,6 @@ class Comparison {
                      .ahead_m = hypothesis.ahead_m,
                      .move_px = hypothesis.move_px,
                      .spread = hypothesis.spread,
-                     .is_square = hypothesis.is_square,
                      .in_picture = in_picture,
                      .in_both = static_cast<int>(in_both),
                      .votes = std::vector<Vote>(matches_.size(), Vote::kNone),
@@ -158,8 +156,8 @@ class Comparison {
     for (const RangePixel& pixel : pixels) {
       const cv::Point at = Turned(pixel.at, size, hypothesis.turn);
       Eigen::Vector3d ray = projector_.ray(at.x, at.y);
-      ray.head<2>() *= hypothesis.spread;
-      if (hypothesis.is_square) ray.y() *= rig.tof.fy / rig.tof.fx;
+      ray.x() *= hypothesis.spread.x;
+      ray.y() *= hypothesis.spread.y;
       const Eigen::Vector3d point =
           rotation_ * (ray * (hypothesis.factor * pixel.depth)) + position;
       if (!(point.z() > 0)) continue;
@@ -258,30 +256,37 @@ Agreement BestShifted(const Comparison& comparison, std::span<const RangePixel> 
   return best;
 }
 
-// Narrower fields of view reach fewer matches, so those that disagree count as well. Of pixels that
-// the calibration makes oblong also those that square ones have.
+// Narrower fields of view reach fewer matches, so those that disagree count as well.
+int MeritOf(const Agreement& agreement) {
+  return agreement.close - 2 * (agreement.compared - agreement.close);
+}
+
+// @param height  of a pixel, as a share of what the calibration says.
 Agreement BestSpread(const Comparison& comparison, std::span<const RangePixel> pixels,
-                     const TofCamera& camera) {
+                     double height) {
   Agreement best;
-  const auto merit = [](const Agreement& agreement) {
-    return agreement.close - 2 * (agreement.compared - agreement.close);
+  const auto look_at = [&](const cv::Point2d& spread) {
+    Agreement agreement = comparison.Compare(pixels, {.spread = spread});
+    if (MeritOf(agreement) > MeritOf(best)) best = std::move(agreement);
   };
-  const auto look_at = [&](double spread, bool is_square) {
-    Agreement agreement = comparison.Compare(pixels, {.spread = spread, .is_square = is_square});
-    if (merit(agreement) > merit(best)) best = std::move(agreement);
-  };
-  for (const double spread : RangeRules::kSpreads) look_at(spread, false);
-  if (std::abs(camera.fx / camera.fy - 1) > RangeRules::kOblong) {
-    look_at(1, true);
-    for (const double spread : RangeRules::kSpreads) look_at(spread, true);
-  }
+  if (height != 1) look_at({1, height});
+  for (const double spread : RangeRules::kSpreads) look_at({spread, spread * height});
   for (const double step : {0.04, 0.02}) {
-    const double from = best.spread;  // `best` changes meanwhile
-    const bool is_square = best.is_square;
-    look_at(from * (1 - step), is_square);
-    look_at(from * (1 + step), is_square);
+    const cv::Point2d from = best.spread;  // `best` changes meanwhile
+    look_at(from * (1 - step));
+    look_at(from * (1 + step));
   }
   return best;
+}
+
+// Where pixels are not square they may be: images of 4:3 are taken for those of 16:9.
+Agreement BestSpread(const Comparison& comparison, std::span<const RangePixel> pixels,
+                     const TofCamera& tof) {
+  Agreement best = BestSpread(comparison, pixels, 1);
+  const double height = tof.fy / tof.fx;
+  if (std::abs(std::log(height)) < RangeRules::kSquare) return best;
+  Agreement square = BestSpread(comparison, pixels, height);
+  return MeritOf(square) > MeritOf(best) ? square : best;
 }
 
 double MedianDistance(std::span<const Match> matches, const RectifiedPair& pair) {

@@ -46,10 +46,9 @@ struct Agreement {
   Turn turn;
   double ahead_m = 0;
   cv::Point2d move_px;
-  double spread = 1;       ///< of the directions of its rays, see RangeModel::spread
-  bool is_square = false;  ///< with pixels as high as the calibration makes them wide
-  int in_picture = 0;      ///< points
-  int in_both = 0;         ///< of these, points that fall into the right image, too
+  cv::Point2d spread = {1, 1};  ///< of its rays, right and down, see RangeModel::spread
+  int in_picture = 0;           ///< points
+  int in_both = 0;              ///< of these, points that fall into the right image, too
   int compared = 0;
   int agreeing = 0;  ///< of them, closely or not
   int close = 0;
@@ -80,8 +79,8 @@ struct RangeModel {
   Agreement turned;   ///< of other turns the best; by 90° only if as_is is not good
   Agreement moved;    ///< of moves ahead the best, if as_is is not close
   Agreement shifted;  ///< of moves in the picture the best, if as_is is not close
-  /// Of fields of view that are so many times as wide (tangents), and of square pixels, the best,
-  /// if as_is is not close.
+  /// Of fields of view that are so many times as wide and high (tangents) the best, if as_is is not
+  /// close: both alike, or such that pixels are square.
   Agreement spread;
   Agreement swapped;  ///< if as_is is not good: with the left image for the right one
   /// Over the matches that agree with `scaled`, or if it is empty with `as_is`: median of z_range /

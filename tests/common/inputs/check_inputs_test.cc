@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "common/geometry/projection.h"
 #include "tests/common/core/centred.h"
 #include "tests/common/inputs/parts.h"
 
@@ -13,12 +13,6 @@ namespace sprout::inputs {
 namespace {
 
 using testing::HasSubstr;
-
-Parts Scaled(double factor) {
-  Parts parts = SceneOf();
-  parts.tof.depth_m *= factor;
-  return parts;
-}
 
 TEST(CheckInputs, FindsNothingBadInAGoodFrame) {
   for (const char* source : {"synthetic:640x480?tof=grid", "synthetic:640x480?tof=sr4000",
@@ -123,29 +117,6 @@ TEST(CheckInputs, AsksForAScaleThatNothingShows) {
   EXPECT_THAT(parts.Answer(Question::kScale).text, HasSubstr("mm apart"));
 }
 
-TEST(CheckInputs, SeesARangeLensOfImagesOfAnotherSize) {
-  const Parts scene = SceneOf("synthetic:640x480?tof=sr4000");
-  for (const double times : {0.25, 0.5, 2.0, 4.0}) {
-    Parts parts = scene;
-    for (double* number :
-         {&parts.rig.tof.fx, &parts.rig.tof.fy, &parts.rig.tof.cx, &parts.rig.tof.cy}) {
-      *number *= times;
-    }
-    ExpectBad(parts, Question::kScale, "the range sensor's principal point (");
-    EXPECT_NE(parts.Answer(Question::kPlace).verdict, Verdict::kBad);
-    EXPECT_NE(parts.Answer(Question::kMoment).verdict, Verdict::kBad);
-  }
-  // The upper left part of a larger image.
-  Parts cropped = scene;
-  const cv::Rect part(0, 0, scene.rig.tof.width * 2 / 3, scene.rig.tof.height * 2 / 3);
-  cropped.tof.depth_m = scene.tof.depth_m(part).clone();
-  cropped.tof.amplitude = scene.tof.amplitude(part).clone();
-  cropped.rig.tof.width = part.width;
-  cropped.rig.tof.height = part.height;
-  EXPECT_NE(cropped.Answer(Question::kScale).verdict, Verdict::kBad)
-      << cropped.Answer(Question::kScale).text;
-}
-
 TEST(CheckInputs, SeesACalibrationOfImagesOfAnotherSize) {
   for (const double times : {0.5, 1.2, 2.0}) {
     Parts parts = SceneOf();
@@ -163,62 +134,10 @@ TEST(CheckInputs, SeesACalibrationOfImagesOfAnotherSize) {
   }
 }
 
-TEST(CheckInputs, SaysThatARangeImageHasAnotherFieldOfView) {
-  for (const double times : {0.8, 1.0, 1.25}) {
-    Parts parts = SceneOf("synthetic:640x480?tof=grid");
-    parts.rig.tof.fx *= times;
-    parts.rig.tof.fy *= times;
-    const Finding finding = parts.Answer(Question::kScale);
-    EXPECT_EQ(finding.verdict, times == 1 ? Verdict::kGood : Verdict::kBad) << times;
-    EXPECT_EQ(finding.text.find("times the field of view") != std::string::npos, times != 1)
-        << finding.text;
-  }
-}
-
-// A sensor of other proportions, of which only a part of the width is in the picture.
-TEST(CheckInputs, SaysThatARangeImageHasSquarePixels) {
-  Parts parts = SceneOf("synthetic:640x480?tof=grid");
-  const cv::Rect part(parts.rig.tof.width / 6, 0, parts.rig.tof.width * 2 / 3,
-                      parts.rig.tof.height);
-  parts.tof.depth_m = parts.tof.depth_m(part).clone();
-  parts.rig.tof = TofOverLeft(parts.rig.pair, part.size());
-  const Finding finding = parts.Answer(Question::kScale);
-  EXPECT_EQ(finding.verdict, Verdict::kBad);
-  EXPECT_THAT(finding.text, HasSubstr("times the field of view that it is taken for, and "
-                                      "square pixels"));
-}
-
 TEST(CheckInputs, SaysThatPrincipalPointsDoNotFit) {
   Parts parts = SceneOf();
   parts.rig.pair.cx_right -= 40;  // nearer surfaces have more than 40 px of disparity
   ExpectBad(parts, Question::kSides, "principal points");
-}
-
-TEST(CheckInputs, NamesTheUnitOfRanges) {
-  struct Case {
-    double factor;
-    const char* text;
-    const char* flag;
-  };
-  for (const auto& [factor, text, flag] :
-       {Case{256.0 / 1000, "3.906", "--tof-unit 1/256"},
-        Case{5000.0 / 1000, "1/5000 m", "--tof-unit 1/5000"},
-        Case{1000, "in mm, and read as m", "--tof-unit mm"},
-        Case{10, "1/10 mm", "--tof-unit 1/10000"}, Case{1.3, "focal length and baseline", ""}}) {
-    const Parts parts = Scaled(factor);
-    const Finding finding = parts.Answer(Question::kScale);
-    EXPECT_EQ(finding.verdict, Verdict::kBad) << factor;
-    EXPECT_NEAR(finding.value / factor, 1, 0.01);
-    EXPECT_THAT(finding.text, HasSubstr(text));
-    EXPECT_THAT(finding.text, testing::Not(HasSubstr("--"))) << "a graph has no such flags";
-    EXPECT_EQ(finding.flag, flag);
-    EXPECT_NE(parts.Answer(Question::kPlace).verdict, Verdict::kBad);
-  }
-}
-
-TEST(CheckInputs, NamesTheUnitOfRangesBeyondAllSensors) {
-  Parts parts = Scaled(1e5);
-  EXPECT_THAT(parts.Answer(Question::kHits).text, HasSubstr("beyond 10000 m"));
 }
 
 TEST(CheckInputs, TakesADevicesOwnErrorForGood) {
