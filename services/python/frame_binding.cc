@@ -353,6 +353,10 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
       .def_property_readonly(
           "right_truth", [](const PyFrame& f) { return ToArray(f.truth.right); },
           "Optional[numpy.ndarray]: the same at the pixels of the right image.")
+      .def_property_readonly(
+          "nonoccluded", [](const PyFrame& f) { return ToArray(f.truth.nonoccluded); },
+          "Optional[numpy.ndarray]: (H, W) uint8, 255 where the data set says that the right "
+          "camera sees the pixel, too; the mask of evaluate(). None: it says nothing.")
       .def("write_ply", &WritePly, py::arg("path"), py::arg("mesh") = false,
            R"(write_ply(self, path: Union[str, os.PathLike[str]], mesh: bool = ...) -> None
 

@@ -15,7 +15,8 @@ def main(folder: str, cloud: str, preset: str = "default") -> None:
     frame = sprout.Pipeline(preset).compute(scene.left, scene.right, scene.tof, scene.rig)
     frame.write_ply(cloud)
     print(f"{cloud}: {len(frame.points())} points")
-    print(sprout.evaluate(frame.disparity, scene.truth, scene.right_truth, confidence=frame.confidence))
+    print(sprout.evaluate(frame.disparity, scene.truth, scene.right_truth, scene.nonoccluded,
+                          confidence=frame.confidence))
 
 
 if __name__ == "__main__":
