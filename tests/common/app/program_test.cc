@@ -11,6 +11,7 @@
 
 #include "common/app/help_text.h"
 #include "common/app/output_paths.h"
+#include "tests/common/app/run_main.h"
 
 namespace sprout {
 namespace {
@@ -20,13 +21,6 @@ using ::testing::HasSubstr;
 
 class ProgramTest : public ::testing::Test {
  protected:
-  struct Ended {
-    int exit_code;
-    bool body_ran;
-    std::string out;
-    std::string err;
-  };
-
   ProgramTest() {
     flags_.Add("--file", file_, "Of one");
     flags_.Add("--list", list_, "Of several").SplitAtCommas();
@@ -37,20 +31,12 @@ class ProgramTest : public ::testing::Test {
     sub.Add("COMMAND", list_, "Of another program");
   }
 
-  Ended Run(std::vector<std::string> arguments) {
+  // 7 is the exit code of a body that ran.
+  MainOutcome Run(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "probe");
-    std::vector<const char*> argv;
-    for (const std::string& argument : arguments) argv.push_back(argument.c_str());
-    Ended ended{};
-    ::testing::internal::CaptureStdout();
-    ::testing::internal::CaptureStderr();
-    ended.exit_code = RunProgram(flags_, static_cast<int>(argv.size()), argv.data(), [&] {
-      ended.body_ran = true;
-      return 0;
+    return RunMain(arguments, [&](int argc, const char* const* argv) {
+      return RunProgram(flags_, argc, argv, [] { return 7; });
     });
-    ended.err = ::testing::internal::GetCapturedStderr();
-    ended.out = ::testing::internal::GetCapturedStdout();
-    return ended;
   }
 
   Flags flags_{"probe", "Probes what every program shares"};
@@ -68,19 +54,18 @@ TEST_F(ProgramTest, RefusesAnEmptyTextInsteadOfTakingItForNoFlag) {
                {{"sub", "--inner", ""}, "--inner ''"},
                {{"sub", ""}, "FILE ''"}};
   for (const auto& [arguments, named] : table) {
-    const Ended ended = Run(arguments);
-    EXPECT_EQ(ended.exit_code, 2) << named;
-    EXPECT_FALSE(ended.body_ran) << named;
-    EXPECT_EQ(ended.err,
+    const MainOutcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << named;
+    EXPECT_EQ(outcome.err,
               std::string("probe: ") + named + ": allowed is a text that is not empty\n");
   }
 }
 
 TEST_F(ProgramTest, TakesAnEmptyPrefixAndWhatAnotherProgramTakes) {
-  EXPECT_EQ(Run({"--channel-prefix", ""}).exit_code, 0);
-  EXPECT_EQ(Run({"sub", "a", ""}).exit_code, 0);
-  EXPECT_EQ(Run({"--file", "x", "--list", "a,b"}).exit_code, 0);
-  EXPECT_EQ(Run({}).exit_code, 0);
+  EXPECT_EQ(Run({"--channel-prefix", ""}).exit_code, 7);
+  EXPECT_EQ(Run({"sub", "a", ""}).exit_code, 7);
+  EXPECT_EQ(Run({"--file", "x", "--list", "a,b"}).exit_code, 7);
+  EXPECT_EQ(Run({}).exit_code, 7);
 }
 
 TEST_F(ProgramTest, WrapsItsHelpAndThatOfItsSubcommands) {

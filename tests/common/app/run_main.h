@@ -15,17 +15,23 @@ struct MainOutcome {
   std::string err;
 };
 
+/// Calls what returns an exit code.
+template <typename Call>
+MainOutcome Captured(const Call& call) {
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  const int exit_code = call();
+  return {exit_code, ::testing::internal::GetCapturedStdout(),
+          ::testing::internal::GetCapturedStderr()};
+}
+
 /// Calls main(argc, argv).
 /// @param words  the program's name, and its arguments.
 template <typename Main>
 MainOutcome RunMain(const std::vector<std::string>& words, const Main& main) {
   std::vector<const char*> argv;
   for (const std::string& word : words) argv.push_back(word.c_str());
-  ::testing::internal::CaptureStdout();
-  ::testing::internal::CaptureStderr();
-  const int exit_code = main(static_cast<int>(argv.size()), argv.data());
-  return {exit_code, ::testing::internal::GetCapturedStdout(),
-          ::testing::internal::GetCapturedStderr()};
+  return Captured([&] { return main(static_cast<int>(argv.size()), argv.data()); });
 }
 
 /// Expects an exit code, nothing on stdout, and one line of the program on stderr that holds

@@ -11,6 +11,7 @@
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
 #include "common/core/sleep.h"
+#include "tests/common/app/run_main.h"
 
 namespace sprout {
 namespace {
@@ -41,21 +42,19 @@ Ended RunWith(std::vector<std::string> flags, const Service::Body& body = {},
   std::vector<char*> argv;
   for (std::string& flag : flags) argv.push_back(flag.data());
   argv.push_back(nullptr);
-  Ended ended{};
-  ::testing::internal::CaptureStdout();
-  ::testing::internal::CaptureStderr();
-  Service service("probe", "Probes the main that all services share.");
-  if (can_replay) service.OfferReplay();
-  ended.exit_code = service.Run(
-      static_cast<int>(flags.size()), argv.data(),
-      [&](const ServiceContext& context) {
-        ended.body_ran = true;
-        return body ? body(context) : 0;
-      },
-      apply_flags);
-  ended.err = Lines(::testing::internal::GetCapturedStderr());
-  ended.out = ::testing::internal::GetCapturedStdout();
-  return ended;
+  bool body_ran = false;
+  const MainOutcome outcome = Captured([&] {
+    Service service("probe", "Probes the main that all services share.");
+    if (can_replay) service.OfferReplay();
+    return service.Run(
+        static_cast<int>(flags.size()), argv.data(),
+        [&](const ServiceContext& context) {
+          body_ran = true;
+          return body ? body(context) : 0;
+        },
+        apply_flags);
+  });
+  return {outcome.exit_code, body_ran, outcome.out, Lines(outcome.err)};
 }
 
 TEST(Service, SaysAtTheStartOfWhichConfigurationItIs) {

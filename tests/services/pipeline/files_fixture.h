@@ -18,6 +18,7 @@
 #include "common/scenes/pfm.h"
 #include "services/pipeline/files/files.h"
 #include "services/pipeline/pipeline.h"
+#include "tests/common/app/run_main.h"
 #include "tests/common/picture/temporary_directory.h"
 #include "tests/common/testing/thrown.h"
 
@@ -30,21 +31,9 @@ inline bool SameBytes(const cv::Mat& a, const cv::Mat& b) {
          std::memcmp(a.data, b.data, a.total() * a.elemSize()) == 0;
 }
 
-struct Ended {
-  int exit_code = 0;
-  std::string out;
-  std::string err;
-};
-
-inline Ended RunToEnd(const FilesOptions& options, const std::stop_token& stop = {},
-                      const std::vector<std::string>& configs = {"default"}) {
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  Ended outcome;
-  outcome.exit_code = RunFiles(options, LoadConfig(configs), stop);
-  outcome.out = testing::internal::GetCapturedStdout();
-  outcome.err = testing::internal::GetCapturedStderr();
-  return outcome;
+inline MainOutcome RunToEnd(const FilesOptions& options, const std::stop_token& stop = {},
+                            const std::vector<std::string>& configs = {"default"}) {
+  return Captured([&] { return RunFiles(options, LoadConfig(configs), stop); });
 }
 
 inline std::string RefusalOf(const FilesOptions& options) {

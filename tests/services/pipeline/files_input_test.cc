@@ -13,6 +13,7 @@
 #include "common/picture/write_image.h"
 #include "common/scenes/pfm.h"
 #include "services/pipeline/files/files.h"
+#include "tests/common/app/run_main.h"
 #include "tests/common/picture/temporary_directory.h"
 
 namespace sprout {
@@ -98,18 +99,18 @@ class FilesInput : public testing::Test {
   }
 
   int Run() {
-    testing::internal::CaptureStdout();
-    testing::internal::CaptureStderr();
-    int code = 2;
-    try {
-      code = RunFiles(options_, LoadConfig({"default"}), {});
-      err_.clear();
-    } catch (const ConfigError& e) {
-      err_ = e.what();
-    }
-    out_ = testing::internal::GetCapturedStdout();
-    err_ += testing::internal::GetCapturedStderr();
-    return code;
+    std::string refusal;
+    const MainOutcome outcome = Captured([&] {
+      try {
+        return RunFiles(options_, LoadConfig({"default"}), {});
+      } catch (const ConfigError& e) {
+        refusal = e.what();
+        return 2;
+      }
+    });
+    out_ = outcome.out;
+    err_ = refusal + outcome.err;
+    return outcome.exit_code;
   }
 
   cv::Mat1f Depth(const std::string& folder = "out") const {

@@ -124,7 +124,7 @@ TEST_F(Files, WhoseContentCannotBeUsedGetOneLine) {
   for (const auto& [change, text] : table) {
     FilesOptions options = options_;
     change(options);
-    const Ended outcome = RunToEnd(options);
+    const MainOutcome outcome = RunToEnd(options);
     EXPECT_EQ(outcome.exit_code, 1) << text;
     EXPECT_THAT(outcome.err, HasSubstr(text));
     EXPECT_FALSE(fs::exists(folder_ / "out")) << "an empty folder is left";
@@ -137,7 +137,7 @@ TEST_F(Files, InWhichNothingIsFoundAreWrong) {
   FilesOptions flat = options_;
   flat.left = Write("flat.png", grey);
   flat.right = Write("flat_right.png", grey);
-  const Ended nothing = RunToEnd(flat);
+  const MainOutcome nothing = RunToEnd(flat);
   EXPECT_EQ(nothing.exit_code, 1);
   EXPECT_THAT(nothing.err, HasSubstr("; refine: no ToF point has a return"));
   EXPECT_THAT(nothing.err, HasSubstr("; grow: no seeds to grow from\n"));
@@ -147,7 +147,7 @@ TEST_F(Files, InWhichNothingIsFoundAreWrong) {
   EXPECT_TRUE(fs::exists(folder_ / "out" / "depth.pfm"));
 
   // The maps are good, and all of the depths are left out.
-  const Ended near = RunToEnd(options_, {}, {"default", "depth { max_m: 0.01 }"});
+  const MainOutcome near = RunToEnd(options_, {}, {"default", "depth { max_m: 0.01 }"});
   EXPECT_EQ(near.exit_code, 1);
   EXPECT_THAT(near.err, testing::EndsWith("left.png: 0 of 19200 pixels have a depth\n"));
 }
@@ -160,7 +160,7 @@ TEST_F(Files, OfAVideoThatIsCutAreNotWrong) {
   Write("r/2.png", scene_.right(part));
   options_.left = folder_ / "l";
   options_.right = folder_ / "r";
-  const Ended ended = RunToEnd(options_, {}, {"default", "temporal { in_pipeline: true }"});
+  const MainOutcome ended = RunToEnd(options_, {}, {"default", "temporal { in_pipeline: true }"});
   EXPECT_EQ(ended.exit_code, 0);
   EXPECT_THAT(ended.err, testing::IsEmpty());
   EXPECT_THAT(ended.out, HasSubstr("; temporal: earlier frames forgotten: another rig"));

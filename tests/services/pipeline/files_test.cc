@@ -39,7 +39,7 @@ TEST_F(Files, HoldWhatThePipelineComputesOfAPairAndADepthImage) {
   ASSERT_GT(expected.disparity.CountValid(), 0.9 * pair_.size().area());
   for (const char* tof : {"tof.pfm", "tof.png"}) {
     options_.tof = folder_ / tof;
-    const Ended outcome = RunToEnd(options_);
+    const MainOutcome outcome = RunToEnd(options_);
     EXPECT_EQ(outcome.exit_code, 0) << tof;
     EXPECT_THAT(outcome.err, testing::IsEmpty()) << tof;
     EXPECT_THAT(outcome.out, HasSubstr("/out: 160x120, " +
@@ -91,7 +91,7 @@ TEST_F(Files, OfManyPairsAreComputedButForTheOnesThatCannotBe) {
   std::ofstream(folder_ / "l" / "notes.txt") << "no image\n";
   options_.left = folder_ / "l";
   options_.right = folder_ / "r/?.png";
-  const Ended outcome = RunToEnd(options_);
+  const MainOutcome outcome = RunToEnd(options_);
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err,
               HasSubstr("l/b.png: right: 80x60; allowed: the calibrated size 160x120"));
@@ -163,7 +163,7 @@ TEST_F(Files, OfAPairThatDoesNotFitAreForgotten) {
   }
   options_.left = folder_ / "l";
   options_.right = folder_ / "r";
-  const Ended ended = RunToEnd(options_, {}, {"default", "temporal { in_pipeline: true }"});
+  const MainOutcome ended = RunToEnd(options_, {}, {"default", "temporal { in_pipeline: true }"});
   EXPECT_THAT(ended.err, HasSubstr("rows"));
   const auto of = [&](const char* pair, const char* name) {
     return cv::imread(folder_ / "out" / pair / name, cv::IMREAD_UNCHANGED);
@@ -289,7 +289,7 @@ TEST_F(Files, ThatCannotBeWrittenLeaveTheOthersAndAreReportedInOrder) {
   std::ofstream(folder_ / "out" / "b") << "a file in the folder's place\n";
   options_.left = folder_ / "l";
   options_.right = folder_ / "r";
-  const Ended outcome = RunToEnd(options_);
+  const MainOutcome outcome = RunToEnd(options_);
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, testing::AllOf(HasSubstr("l/b.png: "), HasSubstr("cannot be written"),
                                           HasSubstr("1 of 3 pairs left out\n")));
@@ -316,7 +316,7 @@ TEST_F(Files, ThatCannotBeWrittenLeaveAFolderThatWasThere) {
 TEST_F(Files, StopBetweenTwoPairs) {
   std::stop_source stop;
   stop.request_stop();
-  const Ended outcome = RunToEnd(options_, stop.get_token());
+  const MainOutcome outcome = RunToEnd(options_, stop.get_token());
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("stopped after 0 of 1 pairs\n"));
 }
