@@ -99,7 +99,7 @@ class FaultRun {
   void Start(const std::string& name, std::vector<std::string> flags) {
     flags.insert(flags.begin(), {ProgramPath("sprout-" + name), "--lcm-url", kDefaultLcmUrl});
     Life& life = lives_[name];
-    life = Life{.process = nullptr, .balanced = {}, .sent_at_start = Sent()};
+    life = Life{.process = nullptr, .balanced = {}, .sent_at_start = record_.SentNow()};
     life.process = std::make_unique<Process>(flags);
     const pid_t pid = life.process->pid();
     if (!record_.WaitUntil(
@@ -114,15 +114,6 @@ class FaultRun {
 
   void StartCapture() {
     Start("capture", {"--config", "default", "--source", "synthetic:160x120", "--rate", "10"});
-  }
-
-  size_t Sent() {
-    size_t sent = 0;
-    record_.WaitUntil([&](GraphRecord& r) {
-      sent = r.sent.size();
-      return true;
-    });
-    return sent;
   }
 
   /// Time until a frame that was captured after `since` has passed all stages.
@@ -143,10 +134,9 @@ class FaultRun {
   }
 
   void Round(int number, const std::string& name, bool kill) {
-    record_.WaitUntil([](GraphRecord& r) {
+    record_.Now([](GraphRecord& r) {
       r.frames.clear();
       r.sent.clear();
-      return true;
     });
     for (auto& [stage, life] : lives_) life.sent_at_start = life.sent_when_ready = 0;
     StartCapture();
@@ -181,11 +171,7 @@ class FaultRun {
     process.Signal(SIGKILL);
     process.Wait();
     std::this_thread::sleep_for(kRestartDelay);
-    StageStatus last_words;
-    record_.WaitUntil([&](GraphRecord& r) {
-      last_words = r.statuses.at(pid);
-      return true;
-    });
+    const StageStatus last_words = record_.Now([&](GraphRecord& r) { return r.statuses.at(pid); });
     const StageStatus balanced = lives_.at(name).balanced;
     const auto started = Clock::now();
     name == "capture" ? StartCapture() : Start(name, {"--config", "default"});
@@ -252,13 +238,8 @@ class FaultRun {
         },
         kBalanceTime);
     if (!balanced) {
-      throw Failure(fmt::format(
-          "{}: of {} frames it has accounted for {}: {} answered, {} skipped, {} incomplete, {} "
-          "left out, {} failed",
-          stage.name, sent, accounted(), now.frames_out - before.frames_out,
-          now.frames_skipped - before.frames_skipped,
-          now.frames_incomplete - before.frames_incomplete,
-          now.sequence_gaps - before.sequence_gaps, now.frames_failed - before.frames_failed));
+      throw Failure(fmt::format("{}: of {} frames it has accounted for {}: {}", stage.name, sent,
+                                accounted(), AccountText(now, before)));
     }
     if (now.bad_messages > 0) throw Failure(fmt::format("{}: {}", stage.name, now.last_error));
     Add(stage, before, now);
@@ -280,14 +261,13 @@ class FaultRun {
   void AddKilled(const Stage& stage, const StageStatus& last_words, int64_t frames) {
     int64_t answered = 0;
     int64_t untold = 0;
-    record_.WaitUntil([&](GraphRecord& r) {
+    record_.Now([&](GraphRecord& r) {
       const GraphRecord::Key told{last_words.newest_frame.utime, last_words.newest_frame.seq};
       for (int64_t i = 0; i < frames; ++i) {
         const GraphRecord::Key& key = r.sent[static_cast<size_t>(i)];
         answered += r.frames.at(key).at.contains(stage.answer);
         untold += told < key;
       }
-      return true;
     });
     const int64_t gone =
         frames - answered - (CountedLost(last_words) - CountedLost(killed_balanced_));
@@ -302,17 +282,11 @@ class FaultRun {
   }
 
   void Compare() {
-    std::map<GraphRecord::Key, GraphRecord::Heard> frames;
-    record_.WaitUntil([&](GraphRecord& r) {
-      frames = r.frames;
-      return true;
-    });
-    const Comparison now = CompareWithPipeline(frames, config_);
+    const Comparison now = CompareWithPipeline(record_.FramesNow(), config_);
     comparison_.maps += now.maps;
     comparison_.wrong += now.wrong;
     comparison_.unknown += now.unknown;
-    if (now.wrong > 0) throw Failure(now.first_wrong);
-    if (now.unknown > 0) throw Failure("an answer to a frame that was not sent whole");
+    if (const std::string wrong = Objection(now, 0); !wrong.empty()) throw Failure(wrong);
   }
 
   std::mt19937 random_;

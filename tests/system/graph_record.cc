@@ -98,6 +98,20 @@ Comparison CompareWithPipeline(const std::map<GraphRecord::Key, GraphRecord::Hea
   return comparison;
 }
 
+std::string Objection(const Comparison& comparison, int64_t least) {
+  if (comparison.wrong > 0) return comparison.first_wrong;
+  if (comparison.unknown > 0) return "an answer to a frame that was not sent whole";
+  return comparison.maps < least ? fmt::format("only {} maps", comparison.maps) : "";
+}
+
+std::string AccountText(const StageStatus& status, const StageStatus& before) {
+  return fmt::format(
+      "{} answered, {} skipped, {} incomplete, {} left out, {} failed",
+      status.frames_out - before.frames_out, status.frames_skipped - before.frames_skipped,
+      status.frames_incomplete - before.frames_incomplete,
+      status.sequence_gaps - before.sequence_gaps, status.frames_failed - before.frames_failed);
+}
+
 int64_t CountedLost(const StageStatus& status) {
   return status.frames_skipped + status.frames_incomplete + status.frames_failed +
          status.sequence_gaps;

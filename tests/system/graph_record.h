@@ -33,9 +33,23 @@ class GraphRecord {
 
   explicit GraphRecord(const std::string& url, const std::string& prefix = "");
 
-  /// Waits for a condition on what was heard; false after `timeout`. Its members only in there.
+  /// Waits for a condition on what was heard; false after `timeout`. Its members only in there
+  /// and in Now().
   bool WaitUntil(const std::function<bool(GraphRecord&)>& condition,
                  std::chrono::milliseconds timeout = std::chrono::seconds(30));
+
+  /// Looks at what was heard so far. @returns what `look` does.
+  template <typename Look>
+  auto Now(const Look& look) {
+    const std::lock_guard lock(mutex_);
+    return look(*this);
+  }
+  std::map<Key, Heard> FramesNow() {
+    return Now([](GraphRecord& r) { return r.frames; });
+  }
+  size_t SentNow() {
+    return Now([](GraphRecord& r) { return r.sent.size(); });
+  }
 
   std::map<Key, Heard> frames;
   std::vector<Key> sent;                    ///< in the order in which a first part was heard
@@ -64,8 +78,14 @@ struct Comparison {
 Comparison CompareWithPipeline(const std::map<GraphRecord::Key, GraphRecord::Heard>& frames,
                                const SproutConfig& config);
 
+/// Empty when there are so many maps, none of them wrong, each of a frame that was sent whole.
+std::string Objection(const Comparison& comparison, int64_t least);
+
 /// Frames that a stage counts as lost on its way, for whatever reason.
 int64_t CountedLost(const StageStatus& status);
+
+/// What became of the frames of a stage that counted `before` at first.
+std::string AccountText(const StageStatus& status, const StageStatus& before = {});
 
 /// Frames that a stage has accounted for: answered or lost.
 inline int64_t AccountedFor(const StageStatus& status) {
