@@ -9,16 +9,10 @@ import sys
 import threading
 
 import web_driver
+from page_test import check, failures
 
 PAGE = pathlib.Path(__file__).resolve().parents[3] / "services" / "view" / "page"
 FULL = "too many pages are open: allowed are 16"
-failures = []
-
-
-def check(what, passed, detail=""):
-    print(("ok     " if passed else "FAILED ") + what + (f" ({detail})" if detail else ""), flush=True)
-    if not passed:
-        failures.append(what)
 
 
 class Files(http.server.SimpleHTTPRequestHandler):
@@ -110,10 +104,7 @@ def check_saving(browser):
 
 
 def main():
-    lacking = web_driver.missing()
-    if lacking:
-        print(f"skipped: {lacking} is missing (scripts/setup --tests installs it)")
-        return 77
+    web_driver.require()
     handler = functools.partial(Files, directory=PAGE)
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()

@@ -131,10 +131,7 @@ def main():
     parser.add_argument("--soon", type=float, default=10,
                         help="until the newest frame must be back, s; on a quiet machine 1 is enough")
     options = parser.parse_args()
-    lacking = web_driver.missing()
-    if lacking:
-        print(f"skipped: {lacking} is missing (scripts/setup --tests installs it)")
-        return 77
+    web_driver.require()
     with tempfile.TemporaryDirectory() as name:
         programs = Programs(options.bin.resolve(), pathlib.Path(name))
         try:

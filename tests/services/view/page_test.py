@@ -367,10 +367,7 @@ def main():
     parser.add_argument("--bin", type=pathlib.Path, required=True, help="folder of the programs")
     parser.add_argument("--log", type=pathlib.Path, required=True, help="a log with whole frames")
     options = parser.parse_args()
-    lacking = web_driver.missing()
-    if lacking:
-        print(f"skipped: {lacking} is missing (scripts/setup --tests installs it)")
-        return 77
+    web_driver.require()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         programs = Programs(options.bin.resolve(), folder)

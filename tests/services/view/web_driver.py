@@ -1,12 +1,12 @@
 """Drives Chromium by ChromeDriver's WebDriver protocol; nothing but Python's own library."""
 
-import base64
 import json
 import os
 import re
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 import urllib.request
@@ -20,12 +20,12 @@ KEYS = {"ArrowLeft": "\ue012", "ArrowRight": "\ue014", "Home": "\ue011", "End": 
         "Escape": "\ue00c", "Shift": "\ue008"}
 
 
-def missing():
-    """What a machine lacks to do this, or None."""
+def require():
+    """Ends the test, as skipped, where the machine lacks something to do this."""
     for program in ("chromium", "chromedriver"):
         if shutil.which(program) is None:
-            return program
-    return None
+            print(f"skipped: {program} is missing (scripts/setup --tests installs it)")
+            sys.exit(77)
 
 
 def send(pid, number):
@@ -156,7 +156,3 @@ class Browser:
         log = self._call("POST", self.session + "/se/log", {"type": "browser"})
         return [entry["message"] for entry in log
                 if entry["level"] == "SEVERE" and "ERR_CONNECTION" not in entry["message"]]
-
-    def screenshot(self, path):
-        with open(path, "wb") as file:
-            file.write(base64.b64decode(self._call("GET", self.session + "/screenshot")))
