@@ -1,16 +1,14 @@
 import importlib.util
-import os
 import pathlib
 import subprocess
 import sys
-import tempfile
 import unittest
 from typing import Any
 
 import numpy
 
 import sprout
-from frames import BIN, SAMPLE, SOURCE, compute, environment
+from frames import BIN, SAMPLE, SOURCE, FolderTest, compute, environment
 
 EXAMPLES = SOURCE / "services" / "python" / "examples"
 ISOLATE = SOURCE / "tests" / "system" / "in_private_network"
@@ -18,7 +16,7 @@ ISOLATE = SOURCE / "tests" / "system" / "in_private_network"
 
 def example(name: str, *arguments: Any) -> str:
     done = subprocess.run([sys.executable, EXAMPLES / name, *map(str, arguments)], capture_output=True,
-                          text=True, timeout=300, env=environment())
+                          text=True, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
@@ -47,16 +45,15 @@ def middlebury(folder: pathlib.Path) -> None:
         f"doffs={rig.cx_right - rig.cx}\nbaseline={rig.baseline_m * 1000}\nwidth=320\nheight=240\n")
 
 
-class ExamplesTest(unittest.TestCase):
+class ExamplesTest(FolderTest):
     def test_middlebury_pair_to_ply(self) -> None:
-        with tempfile.TemporaryDirectory() as name:
-            middlebury(pathlib.Path(name))
-            cloud = pathlib.Path(name) / "cloud.ply"
-            said = example("middlebury_to_ply.py", name, cloud)
-            count = int(said.split(": ")[1].split()[0])
-            self.assertIn(f"element vertex {count}\n".encode(), cloud.read_bytes())
-            self.assertGreater(count, 320 * 240 * 0.9)
-            self.assertGreater(float(said.split("correct_le1=")[1].split()[0]), 90)
+        middlebury(self.folder)
+        cloud = self.folder / "cloud.ply"
+        said = example("middlebury_to_ply.py", self.folder, cloud)
+        count = int(said.split(": ")[1].split()[0])
+        self.assertIn(f"element vertex {count}\n".encode(), cloud.read_bytes())
+        self.assertGreater(count, 320 * 240 * 0.9)
+        self.assertGreater(float(said.split("correct_le1=")[1].split()[0]), 90)
 
     def test_data_set_says_what_both_cameras_see(self) -> None:
         with tempfile.TemporaryDirectory() as name:
@@ -73,51 +70,47 @@ class ExamplesTest(unittest.TestCase):
             self.assertEqual(score.scored, numpy.isfinite(scene.truth[mask == 255]).sum())
 
     def test_log_to_npz(self) -> None:
-        with tempfile.TemporaryDirectory() as name:
-            archive = pathlib.Path(name) / "run.npz"
-            example("log_to_npz.py", SAMPLE, archive)
-            loaded = numpy.load(archive)
-            frames = list(sprout.Log(SAMPLE).frames())
-            self.assertEqual(loaded["seq"].tolist(), [frame.seq for frame in frames])
-            numpy.testing.assert_array_equal(loaded["depth_m"][2], frames[2].depth_m)
-            numpy.testing.assert_array_equal(loaded["K"], frames[2].intrinsics)
+        archive = self.folder / "run.npz"
+        example("log_to_npz.py", SAMPLE, archive)
+        loaded = numpy.load(archive)
+        frames = list(sprout.Log(SAMPLE).frames())
+        self.assertEqual(loaded["seq"].tolist(), [frame.seq for frame in frames])
+        numpy.testing.assert_array_equal(loaded["depth_m"][2], frames[2].depth_m)
+        numpy.testing.assert_array_equal(loaded["K"], frames[2].intrinsics)
 
     @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "no python3-matplotlib")
     def test_live_view_of_the_running_graph(self) -> None:
-        with tempfile.TemporaryDirectory() as name:
-            picture = pathlib.Path(name) / "view.png"
-            script = (f'trap "kill 0" EXIT; "{BIN}/sprout-pipeline" --log-level error &\n'
-                      f'"{BIN}/sprout-capture" --source synthetic:160x120 --log-level error &\n'
-                      f'"{sys.executable}" "{EXAMPLES}/live_view.py" "{picture}"; result=$?\n'
-                      'trap - EXIT; kill $(jobs -p); exit $result')
-            done = subprocess.run([ISOLATE, "bash", "-c", script], capture_output=True, text=True, timeout=120,
-                                  start_new_session=True, env=environment(MPLBACKEND="Agg", MPLCONFIGDIR=name))
-            if done.returncode == 77:
-                self.skipTest("no private network here")
-            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-            self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
+        picture = self.folder / "view.png"
+        script = (f'trap "kill 0" EXIT; "{BIN}/sprout-pipeline" --log-level error &\n'
+                  f'"{BIN}/sprout-capture" --source synthetic:160x120 --log-level error &\n'
+                  f'"{sys.executable}" "{EXAMPLES}/live_view.py" "{picture}"; result=$?\n'
+                  'trap - EXIT; kill $(jobs -p); exit $result')
+        done = subprocess.run([ISOLATE, "bash", "-c", script], capture_output=True, text=True, timeout=120,
+                              start_new_session=True, env=environment(MPLBACKEND="Agg", MPLCONFIGDIR=str(self.folder)))
+        if done.returncode == 77:
+            self.skipTest("no private network here")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
 
     @unittest.skipUnless(importlib.util.find_spec("open3d"), "no python3-open3d")
     def test_depth_into_open3d(self) -> None:
-        with tempfile.TemporaryDirectory() as name:
-            cloud = pathlib.Path(name) / "cloud.pcd"
-            said = example("open3d_cloud.py", SAMPLE, cloud)
-            frame = sprout.Log(SAMPLE)[-1]
-            self.assertEqual(int(said.split(": ")[1].split()[0]), len(frame.points()))
+        cloud = self.folder / "cloud.pcd"
+        said = example("open3d_cloud.py", SAMPLE, cloud)
+        frame = sprout.Log(SAMPLE)[-1]
+        self.assertEqual(int(said.split(": ")[1].split()[0]), len(frame.points()))
 
     def test_are_typed(self) -> None:
         package = pathlib.Path(sprout.__file__).parent
         checked = [*sorted(EXAMPLES.glob("*.py")), package / "__init__.py", package / "_sprout.pyi"]
-        with tempfile.TemporaryDirectory() as cache:
-            done = subprocess.run(["/usr/bin/mypy", "--strict", "--ignore-missing-imports", "--cache-dir", cache,
-                                   "--python-executable", sys.executable, *map(str, checked)],
-                                  capture_output=True, text=True, timeout=300,
-                                  env=environment(MYPYPATH=str(package.parent)), cwd=package.parent)
-            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        done = subprocess.run(["/usr/bin/mypy", "--strict", "--ignore-missing-imports", "--cache-dir", self.folder,
+                               "--python-executable", sys.executable, *map(str, checked)],
+                              capture_output=True, text=True, timeout=300,
+                              env=environment(MYPYPATH=str(package.parent)), cwd=package.parent)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
     def test_the_stubs_say_what_the_module_has(self) -> None:
         done = subprocess.run([SOURCE / "services" / "python" / "make_stubs", "--check"], capture_output=True,
-                              text=True, timeout=300, env=environment())
+                              text=True, timeout=300)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
 

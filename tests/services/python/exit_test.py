@@ -1,15 +1,13 @@
 """How a program ends, and objects that never began."""
 import copy
-import pathlib
 import pickle
 import subprocess
 import sys
-import tempfile
 import textwrap
 import unittest
 
 import sprout
-from frames import SAMPLE, compute, environment, synthetic
+from frames import SAMPLE, FolderTest, compute, synthetic
 
 # What a daemon thread does while the program ends; each waits without the interpreter's lock.
 WORK = {
@@ -44,11 +42,10 @@ WORK = {
 
 
 def end_of(program: str) -> subprocess.CompletedProcess:
-    return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60,
-                          env=environment())
+    return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
 
 
-class ExitTest(unittest.TestCase):
+class ExitTest(FolderTest):
     def test_daemon_threads_may_be_at_work(self) -> None:
         for name, work in WORK.items():
             program = ("import atexit, sys, threading, sprout\nbegun = threading.Event()\n" + textwrap.dedent(work) +
@@ -79,12 +76,11 @@ class ExitTest(unittest.TestCase):
                    "    sprout.run(arguments=sys.argv[1:])\n"
                    "finally:\n"
                    "    print(calls)\n")
-        with tempfile.TemporaryDirectory() as folder:
-            record = pathlib.Path(folder) / "answers.lcm"
-            done = subprocess.run([sys.executable, "-c", program, "--replay", SAMPLE, "--record", record],
-                                  capture_output=True, text=True, timeout=60, env=environment())
-            self.assertEqual(done.returncode, 5, done.stderr)
-            self.assertRegex(done.stdout, r"(?m)^\[\d+, \d+\]$")
+        record = self.folder / "answers.lcm"
+        done = subprocess.run([sys.executable, "-c", program, "--replay", SAMPLE, "--record", record],
+                              capture_output=True, text=True, timeout=60)
+        self.assertEqual(done.returncode, 5, done.stderr)
+        self.assertRegex(done.stdout, r"(?m)^\[\d+, \d+\]$")
 
     def test_classes_give_no_object_without_a_value(self) -> None:
         for name in sprout.__all__:

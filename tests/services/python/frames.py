@@ -3,6 +3,8 @@ import os
 import pathlib
 import struct
 import subprocess
+import tempfile
+import unittest
 from typing import Any, Dict, Iterator, List, Optional, Tuple
 
 import numpy
@@ -16,6 +18,15 @@ PRESETS = ("default", "fast", "paper")
 
 EVENT = struct.Struct(">IqqII")
 SYNC = 0xEDA1DA01
+
+
+class FolderTest(unittest.TestCase):
+    """Each test has a folder of its own."""
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
 
 
 def synthetic(size: str = "64x48", tof: str = "grid", number: int = 0) -> sprout.Frame:

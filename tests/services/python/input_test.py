@@ -2,14 +2,13 @@ import gc
 import os
 import pathlib
 import sys
-import tempfile
 import unittest
 from typing import Any, Callable, List, Tuple
 
 import numpy
 
 import sprout
-from frames import same, synthetic
+from frames import FolderTest, same, synthetic
 
 # (what is wrong, how it is called, what the message must say beside the argument's name)
 Wrong = Tuple[str, Callable[[sprout.Pipeline, sprout.Frame], Any], str]
@@ -105,7 +104,7 @@ WRONG: List[Wrong] = [
 ]
 
 
-class InputTest(unittest.TestCase):
+class InputTest(FolderTest):
     @classmethod
     def setUpClass(cls) -> None:
         scene = synthetic()
@@ -173,11 +172,10 @@ class InputTest(unittest.TestCase):
         self.assertTrue(same(self.depth(left=numpy.ma.array(self.left)), self.depth()))
 
     def test_names_of_files_have_the_bytes_that_python_gives_them(self) -> None:
-        with tempfile.TemporaryDirectory() as folder:
-            name = os.fsencode(folder) + b"/\xff.textproto"
-            pathlib.Path(os.fsdecode(name)).write_text("grow { sub_pixel: false }")
-            for given in (os.fsdecode(name), pathlib.Path(os.fsdecode(name))):
-                self.assertFalse(sprout.Config(given)["grow.sub_pixel"])
+        name = os.fsencode(self.folder) + b"/\xff.textproto"
+        pathlib.Path(os.fsdecode(name)).write_text("grow { sub_pixel: false }")
+        for given in (os.fsdecode(name), pathlib.Path(os.fsdecode(name))):
+            self.assertFalse(sprout.Config(given)["grow.sub_pixel"])
         config = sprout.Config('capture { source: "log:\udcff" }')
         self.assertEqual(config["capture.source"], "log:\udcff")
         self.assertEqual(config.to_dict()["capture"]["source"], "log:\udcff")

@@ -1,16 +1,14 @@
-import os
 import pathlib
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 
 import numpy
 
 import sprout
-from frames import SAMPLE, compute, environment, events, run, same, write_log
+from frames import SAMPLE, FolderTest, compute, events, run, same, write_log
 
 
 def recorded(folder: pathlib.Path, copies: int) -> pathlib.Path:
@@ -33,21 +31,20 @@ def recorded(folder: pathlib.Path, copies: int) -> pathlib.Path:
     return path
 
 
-class ExportTest(unittest.TestCase):
+class ExportTest(FolderTest):
     def test_npz_of_a_log_has_what_its_frames_have(self) -> None:
-        with tempfile.TemporaryDirectory() as name:
-            run("sprout-log", "export", SAMPLE, name, "--npz", "--depth")
-            for frame in sprout.Log(SAMPLE).frames():
-                with numpy.load(pathlib.Path(name) / f"{frame.seq:06}_depth.npz") as arrays:
-                    self.assertTrue(same(arrays["depth_m"], frame.depth_m))
-                    self.assertTrue(same(arrays["K"], frame.intrinsics))
-                    self.assertTrue(same(arrays["confidence"], frame.confidence))
-                    given = numpy.where(numpy.isinf(arrays["disparity_px"]), numpy.nan, arrays["disparity_px"])
-                    self.assertTrue(same(given, frame.disparity))
-                    self.assertEqual((arrays["seq"], arrays["utime"]), (frame.seq, frame.utime))
+        run("sprout-log", "export", SAMPLE, self.folder, "--npz", "--depth")
+        for frame in sprout.Log(SAMPLE).frames():
+            with numpy.load(self.folder / f"{frame.seq:06}_depth.npz") as arrays:
+                self.assertTrue(same(arrays["depth_m"], frame.depth_m))
+                self.assertTrue(same(arrays["K"], frame.intrinsics))
+                self.assertTrue(same(arrays["confidence"], frame.confidence))
+                given = numpy.where(numpy.isinf(arrays["disparity_px"]), numpy.nan, arrays["disparity_px"])
+                self.assertTrue(same(given, frame.disparity))
+                self.assertEqual((arrays["seq"], arrays["utime"]), (frame.seq, frame.utime))
 
 
-class LogTest(unittest.TestCase):
+class LogTest(FolderTest):
     def test_gives_the_frames_with_what_is_recorded(self) -> None:
         with sprout.Log(SAMPLE) as log:
             frames = list(log.frames())
@@ -67,22 +64,21 @@ class LogTest(unittest.TestCase):
 
     def test_gives_no_depths_by_the_calibration_of_other_images(self) -> None:
         from frames import message
-        with tempfile.TemporaryDirectory() as name:
-            path = pathlib.Path(name) / "other.lcm"
-            items = []
-            for utime, channel, data in events(SAMPLE):
-                if channel == "SPROUT_RIG":
-                    rig = message("rig_t").decode(data)
-                    rig.width *= 2
-                    data = bytes(rig.encode())
-                if channel in ("SPROUT_RIG", "SPROUT_DISPARITY", "SPROUT_SIGMA"):
-                    items.append((utime, channel, data))
-            write_log(path, items)
-            for frame in sprout.Log(path).frames():
-                self.assertIsNotNone(frame.disparity)
-                self.assertIsNone(frame.depth_m)
-                self.assertIsNone(frame.depth_sigma_m)
-                self.assertIsNone(frame.intrinsics)
+        path = self.folder / "other.lcm"
+        items = []
+        for utime, channel, data in events(SAMPLE):
+            if channel == "SPROUT_RIG":
+                rig = message("rig_t").decode(data)
+                rig.width *= 2
+                data = bytes(rig.encode())
+            if channel in ("SPROUT_RIG", "SPROUT_DISPARITY", "SPROUT_SIGMA"):
+                items.append((utime, channel, data))
+        write_log(path, items)
+        for frame in sprout.Log(path).frames():
+            self.assertIsNotNone(frame.disparity)
+            self.assertIsNone(frame.depth_m)
+            self.assertIsNone(frame.depth_sigma_m)
+            self.assertIsNone(frame.intrinsics)
 
     def test_gives_seeds_whose_bytes_are_the_same_every_time(self) -> None:
         between = numpy.ones(sprout.SEED.itemsize, bool)
@@ -123,45 +119,42 @@ class LogTest(unittest.TestCase):
                 sprout.Log(SAMPLE).frames(wrong)  # type: ignore[arg-type]
 
     def test_reads_compressed_maps_and_another_prefix(self) -> None:
-        with tempfile.TemporaryDirectory() as name:
-            paths = []
-            for encoding in ("RAW_INT16", "DELTA_ZSTD"):
-                paths.append(pathlib.Path(name) / f"{encoding}.lcm")
-                run("sprout-grow", "--config", "bus { disparity_encoding: %s }" % encoding, "--log-level", "error",
-                    "--replay", SAMPLE, "--record", paths[-1])
-            self.assertLess(paths[1].stat().st_size, paths[0].stat().st_size * 0.7)
-            for a, b in zip(sprout.Log(paths[0]).frames(), sprout.Log(paths[1]).frames(), strict=True):
-                self.assertTrue(same(a.disparity, b.disparity))
-                self.assertTrue(numpy.isfinite(a.disparity).any())
-            other = pathlib.Path(name) / "prefix.lcm"
-            write_log(other, [(utime, "B_" + channel, data) for utime, channel, data in events(SAMPLE)])
-            self.assertEqual(len(sprout.Log(other, prefix="B_")), len(sprout.Log(SAMPLE)))
-            self.assertEqual(len(sprout.Log(other)), 0)
+        paths = []
+        for encoding in ("RAW_INT16", "DELTA_ZSTD"):
+            paths.append(self.folder / f"{encoding}.lcm")
+            run("sprout-grow", "--config", "bus { disparity_encoding: %s }" % encoding, "--log-level", "error",
+                "--replay", SAMPLE, "--record", paths[-1])
+        self.assertLess(paths[1].stat().st_size, paths[0].stat().st_size * 0.7)
+        for a, b in zip(sprout.Log(paths[0]).frames(), sprout.Log(paths[1]).frames(), strict=True):
+            self.assertTrue(same(a.disparity, b.disparity))
+            self.assertTrue(numpy.isfinite(a.disparity).any())
+        other = self.folder / "prefix.lcm"
+        write_log(other, [(utime, "B_" + channel, data) for utime, channel, data in events(SAMPLE)])
+        self.assertEqual(len(sprout.Log(other, prefix="B_")), len(sprout.Log(SAMPLE)))
+        self.assertEqual(len(sprout.Log(other)), 0)
 
     def test_goes_on_behind_damage_and_says_where_it_is(self) -> None:
-        with tempfile.TemporaryDirectory() as name:
-            path = pathlib.Path(name) / "damaged.lcm"
-            data = bytearray(SAMPLE.read_bytes())
-            middle = data.index(b"\xed\xa1\xda\x01", len(data) // 2)
-            data[middle:middle + 500] = bytes(500)
-            path.write_bytes(data[:-100])
-            with sprout.Log(path) as log:
-                self.assertGreaterEqual(len(list(log.frames())), len(sprout.Log(SAMPLE)) - 2)
-                self.assertEqual(len(log.damage), 2)
-                self.assertRegex(log.damage[0], "unreadable bytes at byte")
-            self.assertEqual(sprout.Log(SAMPLE).damage, [])
+        path = self.folder / "damaged.lcm"
+        data = bytearray(SAMPLE.read_bytes())
+        middle = data.index(b"\xed\xa1\xda\x01", len(data) // 2)
+        data[middle:middle + 500] = bytes(500)
+        path.write_bytes(data[:-100])
+        with sprout.Log(path) as log:
+            self.assertGreaterEqual(len(list(log.frames())), len(sprout.Log(SAMPLE)) - 2)
+            self.assertEqual(len(log.damage), 2)
+            self.assertRegex(log.damage[0], "unreadable bytes at byte")
+        self.assertEqual(sprout.Log(SAMPLE).damage, [])
 
     def test_counts_messages_that_cannot_be_used(self) -> None:
-        with tempfile.TemporaryDirectory() as name:
-            path = pathlib.Path(name) / "bad.lcm"
-            items = list(events(SAMPLE))
-            at = next(i for i, item in enumerate(items) if item[1] == "SPROUT_DISPARITY")
-            items[at] = (items[at][0], items[at][1], items[at][2][:100])
-            write_log(path, items)
-            frames = sprout.Log(path).frames()
-            self.assertEqual(sum("disparity" in frame.parts for frame in frames), len(sprout.Log(SAMPLE)) - 1)
-            self.assertEqual(frames.bad_messages, 1)
-            self.assertRegex(frames.first_bad_message, "SPROUT_DISPARITY: ")
+        path = self.folder / "bad.lcm"
+        items = list(events(SAMPLE))
+        at = next(i for i, item in enumerate(items) if item[1] == "SPROUT_DISPARITY")
+        items[at] = (items[at][0], items[at][1], items[at][2][:100])
+        write_log(path, items)
+        frames = sprout.Log(path).frames()
+        self.assertEqual(sum("disparity" in frame.parts for frame in frames), len(sprout.Log(SAMPLE)) - 1)
+        self.assertEqual(frames.bad_messages, 1)
+        self.assertRegex(frames.first_bad_message, "SPROUT_DISPARITY: ")
 
     def test_says_what_is_no_log(self) -> None:
         with self.assertRaisesRegex(FileNotFoundError, "nowhere.lcm"):
@@ -181,16 +174,15 @@ class LogTest(unittest.TestCase):
     def test_a_long_log_takes_the_memory_of_one_frame(self) -> None:
         def resident_kb() -> int:
             return int(pathlib.Path("/proc/self/status").read_text().split("VmRSS:")[1].split()[0])
-        with tempfile.TemporaryDirectory() as name:
-            path = recorded(pathlib.Path(name), 200)
-            read = 0
-            for frame in sprout.Log(path).frames():
-                read += 1
-                if read == 200:
-                    start = resident_kb()
-            self.assertGreater(read, 900)
-            # The index takes 300 bytes a frame.
-            self.assertLess(resident_kb() - start, 2000 + read * 0.3)
+        path = recorded(self.folder, 200)
+        read = 0
+        for frame in sprout.Log(path).frames():
+            read += 1
+            if read == 200:
+                start = resident_kb()
+        self.assertGreater(read, 900)
+        # The index takes 300 bytes a frame.
+        self.assertLess(resident_kb() - start, 2000 + read * 0.3)
 
     def test_ctrl_c_ends_reading_and_computing(self) -> None:
         programs = {
@@ -203,7 +195,7 @@ class LogTest(unittest.TestCase):
                     [sys.executable, "-c", "import sprout\npipeline = sprout.Pipeline()\n"
                      "frame = sprout.Dataset('synthetic:64x48')[0]\n"
                      "print('ready', flush=True)\n" + program],
-                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment()) as process:
+                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
                 process.stdout.readline()
                 time.sleep(0.3)
                 process.send_signal(signal.SIGINT)

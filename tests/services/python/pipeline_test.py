@@ -1,5 +1,4 @@
 import pathlib
-import tempfile
 import threading
 import time
 import unittest
@@ -8,7 +7,7 @@ from typing import List, Tuple
 import numpy
 
 import sprout
-from frames import (BIN, PRESETS, SAMPLE, compute, events, message, run, same, synthetic, without_points,
+from frames import (BIN, PRESETS, SAMPLE, FolderTest, compute, events, message, run, same, synthetic, without_points,
                     write_log)
 
 
@@ -37,10 +36,10 @@ class DepthSettingsTest(unittest.TestCase):
             sprout.Pipeline("default", "depth { box { max_z_m: 2 } }")
 
 
-class BytesTest(unittest.TestCase):
+class BytesTest(FolderTest):
     """Against sprout-pipeline --replay, which gives the bytes of the three processes."""
 
-    def variants(self, folder: pathlib.Path) -> List[Tuple[str, pathlib.Path]]:
+    def variants(self) -> List[Tuple[str, pathlib.Path]]:
         made = []
         for color in (True, False):
             for points in (True, False):
@@ -52,22 +51,20 @@ class BytesTest(unittest.TestCase):
                         data = without_points(data)
                     if channel in ("SPROUT_LEFT", "SPROUT_RIGHT", "SPROUT_TOF", "SPROUT_RIG"):
                         items.append((utime, channel, data))
-                path = folder / f"{color}_{points}.lcm"
+                path = self.folder / f"{color}_{points}.lcm"
                 write_log(path, items)
                 made.append((f"colour {color}, ToF {points}", path))
         return made
 
     def test_compute_gives_the_bytes_of_the_replay(self) -> None:
-        with tempfile.TemporaryDirectory() as name:
-            folder = pathlib.Path(name)
-            for what, path in self.variants(folder):
-                for preset in PRESETS:
-                    answers = folder / "answers.lcm"
-                    # Only preset default has seeds without range points; of nothing come empty maps.
-                    is_empty = "ToF False" in what and preset != "default"
-                    run("sprout-pipeline", "--config", preset, "--log-level", "error", "--replay", path,
-                        "--record", answers, expect=1 if is_empty else 0)
-                    self.compare(what + ", " + preset, sprout.Pipeline(preset), path, answers)
+        for what, path in self.variants():
+            for preset in PRESETS:
+                answers = self.folder / "answers.lcm"
+                # Only preset default has seeds without range points; of nothing come empty maps.
+                is_empty = "ToF False" in what and preset != "default"
+                run("sprout-pipeline", "--config", preset, "--log-level", "error", "--replay", path,
+                    "--record", answers, expect=1 if is_empty else 0)
+                self.compare(what + ", " + preset, sprout.Pipeline(preset), path, answers)
 
     def compare(self, what: str, pipeline: sprout.Pipeline, inputs: pathlib.Path,
                 answers: pathlib.Path) -> None:
@@ -111,31 +108,30 @@ class BytesTest(unittest.TestCase):
     def test_fused_maps_and_motions_have_the_bytes_of_sprout_temporal(self) -> None:
         config = ("default", "temporal { in_pipeline: true }")
         pipeline, of_fused = sprout.Pipeline(*config), sprout.Pipeline(*config, "depth { input: FUSED }")
-        with tempfile.TemporaryDirectory() as name:
-            chain, answers = pathlib.Path(name) / "chain.lcm", pathlib.Path(name) / "answers.lcm"
-            run("sprout-pipeline", "--config", "default", "--log-level", "error", "--replay", SAMPLE,
-                "--record", chain)
-            run("sprout-temporal", "--config", "default", "--log-level", "error", "--replay", SAMPLE,
-                "--replay", chain, "--record", answers)
-            frames = list(sprout.Log(SAMPLE).frames())
-            self.assertGreaterEqual(len(frames), 3)
-            for number, (given, expected) in enumerate(zip(frames, sprout.Log(answers).frames())):
-                frame = compute(pipeline, given, seq=given.seq, utime=given.utime)
-                self.assertEqual((frame.seq, frame.utime), (expected.seq, expected.utime))
-                self.assertTrue(same(frame.fused, expected.fused))
-                self.assertTrue(same(frame.fused_confidence, expected.fused_confidence))
-                for field in ("last_from_left", "start_from_left", "covariance"):
-                    self.assertTrue(same(getattr(frame.motion, field), getattr(expected.motion, field)))
-                for field in ("last_seq", "start_seq", "tracked", "inliers", "reset", "resets"):
-                    self.assertEqual(getattr(frame.motion, field), getattr(expected.motion, field))
-                self.assertEqual(frame.motion.reset == "FIRST", number == 0)
-                self.assertEqual(same(frame.fused, frame.disparity), number == 0)
-                other = compute(of_fused, given, seq=given.seq, utime=given.utime)
-                z = given.rig.focal_px * given.rig.baseline_m / (
-                    frame.fused.astype(float) + given.rig.cx_right - given.rig.cx)
-                z = numpy.where(z > 0, z, numpy.nan).astype(numpy.float32)
-                self.assertTrue(same(other.depth_m, z))
-                self.assertEqual(len(other.points()), numpy.isfinite(z).sum())
+        chain, answers = self.folder / "chain.lcm", self.folder / "answers.lcm"
+        run("sprout-pipeline", "--config", "default", "--log-level", "error", "--replay", SAMPLE,
+            "--record", chain)
+        run("sprout-temporal", "--config", "default", "--log-level", "error", "--replay", SAMPLE,
+            "--replay", chain, "--record", answers)
+        frames = list(sprout.Log(SAMPLE).frames())
+        self.assertGreaterEqual(len(frames), 3)
+        for number, (given, expected) in enumerate(zip(frames, sprout.Log(answers).frames())):
+            frame = compute(pipeline, given, seq=given.seq, utime=given.utime)
+            self.assertEqual((frame.seq, frame.utime), (expected.seq, expected.utime))
+            self.assertTrue(same(frame.fused, expected.fused))
+            self.assertTrue(same(frame.fused_confidence, expected.fused_confidence))
+            for field in ("last_from_left", "start_from_left", "covariance"):
+                self.assertTrue(same(getattr(frame.motion, field), getattr(expected.motion, field)))
+            for field in ("last_seq", "start_seq", "tracked", "inliers", "reset", "resets"):
+                self.assertEqual(getattr(frame.motion, field), getattr(expected.motion, field))
+            self.assertEqual(frame.motion.reset == "FIRST", number == 0)
+            self.assertEqual(same(frame.fused, frame.disparity), number == 0)
+            other = compute(of_fused, given, seq=given.seq, utime=given.utime)
+            z = given.rig.focal_px * given.rig.baseline_m / (
+                frame.fused.astype(float) + given.rig.cx_right - given.rig.cx)
+            z = numpy.where(z > 0, z, numpy.nan).astype(numpy.float32)
+            self.assertTrue(same(other.depth_m, z))
+            self.assertEqual(len(other.points()), numpy.isfinite(z).sum())
         # Numbers are not needed; reset() begins anew.
         pipeline.reset()
         first, second = compute(pipeline, frames[0]), compute(pipeline, frames[1])
@@ -170,34 +166,32 @@ class BytesTest(unittest.TestCase):
         self.assertEqual((without.fused, without.fused_confidence, without.motion), (None, None, None))
 
     def test_depth_is_that_of_sprout_depth(self) -> None:
-        with tempfile.TemporaryDirectory() as name:
-            answers = pathlib.Path(name) / "depth.lcm"
-            run("sprout-depth", "--config", "depth { mm_per_count: 1 scale: 1 }", "--log-level", "error",
-                "--replay", SAMPLE, "--record", answers)
-            for given, expected in zip(sprout.Log(SAMPLE).frames(), sprout.Log(answers).frames()):
-                near = given.depth_m < 65.5
-                numpy.testing.assert_allclose(given.depth_m[near], expected.depth_m[near], atol=0.000501)
-                numpy.testing.assert_allclose(given.intrinsics, expected.intrinsics)
+        answers = self.folder / "depth.lcm"
+        run("sprout-depth", "--config", "depth { mm_per_count: 1 scale: 1 }", "--log-level", "error",
+            "--replay", SAMPLE, "--record", answers)
+        for given, expected in zip(sprout.Log(SAMPLE).frames(), sprout.Log(answers).frames()):
+            near = given.depth_m < 65.5
+            numpy.testing.assert_allclose(given.depth_m[near], expected.depth_m[near], atol=0.000501)
+            numpy.testing.assert_allclose(given.intrinsics, expected.intrinsics)
 
     def test_sigma_of_depth_is_that_of_sprout_depth(self) -> None:
-        with tempfile.TemporaryDirectory() as name:
-            folder = pathlib.Path(name)
-            run("sprout-pipeline", "--config", "default", "--log-level", "error", "--replay", SAMPLE,
-                "--record", folder / "maps.lcm")
-            run("sprout-log", "cut", SAMPLE, folder / "images.lcm", "--channels", "SPROUT_LEFT,SPROUT_RIG")
-            run("sprout-log", "merge", folder / "images.lcm", folder / "maps.lcm", "--out", folder / "all.lcm")
-            run("sprout-depth", "--config", "depth { publish_sigma: true }", "--log-level", "error",
-                "--replay", folder / "all.lcm", "--record", folder / "depth.lcm")
-            frames = 0
-            for given, expected in zip(sprout.Log(folder / "all.lcm").frames(),
-                                       sprout.Log(folder / "depth.lcm").frames()):
-                self.assertIn("depth_sigma", expected.parts)
-                near = given.depth_m < 65.5
-                low = near & (given.depth_sigma_m < 4)
-                numpy.testing.assert_allclose(given.depth_sigma_m[low], expected.depth_sigma_m[low], atol=0.0000626)
-                self.assertTrue((expected.depth_sigma_m[near & ~low] > 3.99).all())
-                frames += int(low.any())
-            self.assertGreaterEqual(frames, 3)
+        run("sprout-pipeline", "--config", "default", "--log-level", "error", "--replay", SAMPLE,
+            "--record", self.folder / "maps.lcm")
+        run("sprout-log", "cut", SAMPLE, self.folder / "images.lcm", "--channels", "SPROUT_LEFT,SPROUT_RIG")
+        run("sprout-log", "merge", self.folder / "images.lcm", self.folder / "maps.lcm", "--out",
+            self.folder / "all.lcm")
+        run("sprout-depth", "--config", "depth { publish_sigma: true }", "--log-level", "error",
+            "--replay", self.folder / "all.lcm", "--record", self.folder / "depth.lcm")
+        frames = 0
+        for given, expected in zip(sprout.Log(self.folder / "all.lcm").frames(),
+                                   sprout.Log(self.folder / "depth.lcm").frames()):
+            self.assertIn("depth_sigma", expected.parts)
+            near = given.depth_m < 65.5
+            low = near & (given.depth_sigma_m < 4)
+            numpy.testing.assert_allclose(given.depth_sigma_m[low], expected.depth_sigma_m[low], atol=0.0000626)
+            self.assertTrue((expected.depth_sigma_m[near & ~low] > 3.99).all())
+            frames += int(low.any())
+        self.assertGreaterEqual(frames, 3)
 
 
 class ThreadTest(unittest.TestCase):
@@ -243,7 +237,7 @@ class ThreadTest(unittest.TestCase):
         self.assertEqual(wrong, [])
 
 
-class FrameTest(unittest.TestCase):
+class FrameTest(FolderTest):
     def test_has_points_colours_and_a_ply_of_them(self) -> None:
         scene = synthetic("64x48")
         frame = compute(sprout.Pipeline(), scene)
@@ -257,14 +251,13 @@ class FrameTest(unittest.TestCase):
         numpy.testing.assert_allclose(points[:, 0], (u - frame.rig.cx) * points[:, 2] / frame.rig.focal_px,
                                       rtol=1e-5, atol=1e-6)
         self.assertTrue(same(frame.points(), points))
-        with tempfile.TemporaryDirectory() as folder:
-            path = pathlib.Path(folder) / "cloud.ply"
-            frame.write_ply(path)
-            self.assertIn(f"element vertex {len(points)}".encode(), path.read_bytes())
-            frame.write_ply(str(path), mesh=True)
-            self.assertIn(b"element face", path.read_bytes())
-            with self.assertRaisesRegex(OSError, "nowhere"):
-                frame.write_ply("/nowhere/cloud.ply")
+        path = self.folder / "cloud.ply"
+        frame.write_ply(path)
+        self.assertIn(f"element vertex {len(points)}".encode(), path.read_bytes())
+        frame.write_ply(str(path), mesh=True)
+        self.assertIn(b"element face", path.read_bytes())
+        with self.assertRaisesRegex(OSError, "nowhere"):
+            frame.write_ply("/nowhere/cloud.ply")
 
     def test_says_that_there_is_nothing(self) -> None:
         scene = synthetic()
@@ -286,10 +279,9 @@ class FrameTest(unittest.TestCase):
     @unittest.skipUnless((BIN / "sprout-evaluate").exists(), "built without SPROUT_EVALUATE")
     def test_is_evaluated_as_sprout_evaluate_does(self) -> None:
         import json
-        with tempfile.TemporaryDirectory() as folder:
-            path = pathlib.Path(folder) / "result.json"
-            run("sprout-evaluate", "scenes", "synthetic:128x96", "--tof", "grid:10", "--json", path)
-            methods = json.loads(path.read_text())["scenes"][0]["methods"]
+        path = self.folder / "result.json"
+        run("sprout-evaluate", "scenes", "synthetic:128x96", "--tof", "grid:10", "--json", path)
+        methods = json.loads(path.read_text())["scenes"][0]["methods"]
         scene = synthetic("128x96")
         frame = compute(sprout.Pipeline("default"), scene)
         whole = next(method for method in methods if "confidence" in method)

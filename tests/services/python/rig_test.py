@@ -1,11 +1,11 @@
 import pathlib
 import pickle
-import tempfile
 import unittest
 
 import numpy
 
 import sprout
+from frames import FolderTest
 
 # calib.txt of a sequence of KITTI's odometry set: no R0_rect.
 KITTI = """P0: 700 0 600 0 0 700 180 0 0 0 1 0
@@ -23,7 +23,7 @@ def rig_with_tof() -> sprout.Rig:
     return sprout.Rig(640, 480, 700, 0.12, cx=310, cy=235, cx_right=305, tof=tof)
 
 
-class RigTest(unittest.TestCase):
+class RigTest(FolderTest):
     def test_has_principal_points_in_the_middle_when_it_is_not_told(self) -> None:
         rig = sprout.Rig(640, 480, 700.0, 0.12)
         self.assertEqual((rig.cx, rig.cy, rig.cx_right), (319.5, 239.5, 319.5))
@@ -56,39 +56,37 @@ class RigTest(unittest.TestCase):
         self.assertAlmostEqual(z / w, 700 * 0.12 / (20 + rig.cx_right - rig.cx))
 
     def test_comes_from_a_calib_txt_of_kitti(self) -> None:
-        with tempfile.TemporaryDirectory() as folder:
-            path = pathlib.Path(folder) / "calib.txt"
-            path.write_text(KITTI)
-            rig = sprout.Rig.from_kitti(path, 1226, 370)
-            self.assertAlmostEqual(rig.baseline_m, (45.38225 + 333.0627) / 707.0912)
-            self.assertEqual((rig.width, rig.height, rig.cx), (1226, 370, 601.8873))
-            self.assertAlmostEqual(sprout.Rig.from_kitti(str(path), 1226, 370, grey=True).baseline_m, 0.5)
-            path.write_text(KITTI.replace("P3", "P4"))
-            with self.assertRaisesRegex(ValueError, "P3 is missing"):
-                sprout.Rig.from_kitti(path, 1226, 370)
+        path = self.folder / "calib.txt"
+        path.write_text(KITTI)
+        rig = sprout.Rig.from_kitti(path, 1226, 370)
+        self.assertAlmostEqual(rig.baseline_m, (45.38225 + 333.0627) / 707.0912)
+        self.assertEqual((rig.width, rig.height, rig.cx), (1226, 370, 601.8873))
+        self.assertAlmostEqual(sprout.Rig.from_kitti(str(path), 1226, 370, grey=True).baseline_m, 0.5)
+        path.write_text(KITTI.replace("P3", "P4"))
+        with self.assertRaisesRegex(ValueError, "P3 is missing"):
+            sprout.Rig.from_kitti(path, 1226, 370)
 
     def test_comes_from_a_rig_file_and_its_images_are_rectified(self) -> None:
-        with tempfile.TemporaryDirectory() as folder:
-            path = pathlib.Path(folder) / "rig.textproto"
-            path.write_text("""calibration {
-              left { width: 64 height: 48 fx: 60 fy: 60 cx: 31 cy: 23 }
-              right { width: 64 height: 48 fx: 60 fy: 60 cx: 32 cy: 24 }
-              left_from_right { translation_m: [0.1, 0, 0] }
-            }""")
-            rig = sprout.Rig.from_file(path)
-            self.assertAlmostEqual(rig.baseline_m, 0.1)
-            rectifier = sprout.Rectifier(path)
-            self.assertEqual(rectifier.rig, rig)
-            image = numpy.full((48, 64), 90, numpy.uint8)
-            left, right, tof = rectifier.rectify(image, image)
-            self.assertEqual((left.shape, right.dtype, tof), ((48, 64), numpy.uint8, None))
-            self.assertEqual(left[24, 32], 90)
-            with self.assertRaisesRegex(ValueError, "tof: expected None, since the rig has no ToF camera"):
-                rectifier.rectify(image, image, image.astype(numpy.float32))
-            image[:, 48:] = 255
-            with self.assertWarnsRegex(UserWarning, "16 bits"):  # of which 10 are used
-                deep, _, _ = rectifier.rectify(image.astype(numpy.uint16) * 4, image.astype(numpy.uint16) * 4)
-            self.assertEqual((deep.dtype, deep[24, 32]), (numpy.uint8, 90))
+        path = self.folder / "rig.textproto"
+        path.write_text("""calibration {
+          left { width: 64 height: 48 fx: 60 fy: 60 cx: 31 cy: 23 }
+          right { width: 64 height: 48 fx: 60 fy: 60 cx: 32 cy: 24 }
+          left_from_right { translation_m: [0.1, 0, 0] }
+        }""")
+        rig = sprout.Rig.from_file(path)
+        self.assertAlmostEqual(rig.baseline_m, 0.1)
+        rectifier = sprout.Rectifier(path)
+        self.assertEqual(rectifier.rig, rig)
+        image = numpy.full((48, 64), 90, numpy.uint8)
+        left, right, tof = rectifier.rectify(image, image)
+        self.assertEqual((left.shape, right.dtype, tof), ((48, 64), numpy.uint8, None))
+        self.assertEqual(left[24, 32], 90)
+        with self.assertRaisesRegex(ValueError, "tof: expected None, since the rig has no ToF camera"):
+            rectifier.rectify(image, image, image.astype(numpy.float32))
+        image[:, 48:] = 255
+        with self.assertWarnsRegex(UserWarning, "16 bits"):  # of which 10 are used
+            deep, _, _ = rectifier.rectify(image.astype(numpy.uint16) * 4, image.astype(numpy.uint16) * 4)
+        self.assertEqual((deep.dtype, deep[24, 32]), (numpy.uint8, 90))
 
     def test_sees_a_range_image_over_the_left_one_at_any_resolution(self) -> None:
         rig = sprout.Rig(640, 480, 700, 0.12).with_aligned_tof(160, 120)
@@ -105,19 +103,18 @@ class RigTest(unittest.TestCase):
             sprout.Rig.from_dict({"width": 3})
 
 
-class ConfigTest(unittest.TestCase):
+class ConfigTest(FolderTest):
     def test_comes_from_a_preset_a_file_several_and_a_text(self) -> None:
-        with tempfile.TemporaryDirectory() as folder:
-            path = pathlib.Path(folder) / "mine.textproto"
-            path.write_text("grow { sigma_p_px: 2.5 }")
-            self.assertIs(sprout.Config("fast")["grow.sub_pixel"], False)
-            self.assertEqual(sprout.Config(path)["grow.sigma_p_px"], 2.5)
-            self.assertEqual(sprout.Config(str(path))["grow.sigma_p_px"], 2.5)
-            both = sprout.Config("fast", path, "grow { sub_pixel: true }")
-            self.assertEqual((both["grow.sub_pixel"], both["grow.sigma_p_px"]), (True, 2.5))
-            self.assertEqual(both["prior.method"], "DELAUNAY")
-            self.assertEqual(both["grow"], both.to_dict()["grow"])
-            self.assertEqual(sprout.Config(["fast", path]), sprout.Config("fast", path))
+        path = self.folder / "mine.textproto"
+        path.write_text("grow { sigma_p_px: 2.5 }")
+        self.assertIs(sprout.Config("fast")["grow.sub_pixel"], False)
+        self.assertEqual(sprout.Config(path)["grow.sigma_p_px"], 2.5)
+        self.assertEqual(sprout.Config(str(path))["grow.sigma_p_px"], 2.5)
+        both = sprout.Config("fast", path, "grow { sub_pixel: true }")
+        self.assertEqual((both["grow.sub_pixel"], both["grow.sigma_p_px"]), (True, 2.5))
+        self.assertEqual(both["prior.method"], "DELAUNAY")
+        self.assertEqual(both["grow"], both.to_dict()["grow"])
+        self.assertEqual(sprout.Config(["fast", path]), sprout.Config("fast", path))
         self.assertEqual(sprout.Config("default")["grow"], sprout.Config()["grow"])
 
     def test_comes_back_from_a_pickle_its_text_and_its_repr(self) -> None:

@@ -1,9 +1,7 @@
-import os
 import pathlib
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 from typing import Any, List, Tuple
@@ -11,7 +9,7 @@ from typing import Any, List, Tuple
 import numpy
 
 import sprout
-from frames import BIN, SAMPLE, SOURCE, environment, run, same
+from frames import BIN, SAMPLE, SOURCE, FolderTest, run, same
 
 HERE = pathlib.Path(__file__).parent
 PRIOR = SOURCE / "services" / "python" / "examples" / "mean_prior.py"
@@ -19,17 +17,16 @@ PRIOR = SOURCE / "services" / "python" / "examples" / "mean_prior.py"
 
 def python(script: Any, *arguments: Any) -> Tuple[int, str]:
     done = subprocess.run([sys.executable, HERE / script, *map(str, arguments)], capture_output=True,
-                          text=True, timeout=300, env=environment())
+                          text=True, timeout=300)
     return done.returncode, done.stdout + done.stderr
 
 
-class StageTest(unittest.TestCase):
+class StageTest(FolderTest):
     def replay(self, script: Any, *arguments: Any) -> Tuple[List[sprout.Frame], str]:
-        with tempfile.TemporaryDirectory() as folder:
-            record = pathlib.Path(folder) / "answers.lcm"
-            code, text = python(script, *arguments, "--replay", SAMPLE, "--record", record)
-            self.assertEqual(code, 0, text)
-            return list(sprout.Log(record).frames()), text
+        record = self.folder / "answers.lcm"
+        code, text = python(script, *arguments, "--replay", SAMPLE, "--record", record)
+        self.assertEqual(code, 0, text)
+        return list(sprout.Log(record).frames()), text
 
     def test_replays_a_log_as_every_stage_does(self) -> None:
         frames, text = self.replay(PRIOR, "--frames", "1:")
@@ -42,10 +39,9 @@ class StageTest(unittest.TestCase):
             self.assertEqual((frame.utime, frame.rig_id), (given.utime, given.rig_id))
 
     def test_its_answers_are_those_of_the_stages_in_cpp(self) -> None:
-        with tempfile.TemporaryDirectory() as folder:
-            record = pathlib.Path(folder) / "answers.lcm"
-            run("sprout-pipeline", "--log-level", "error", "--replay", SAMPLE, "--record", record)
-            expected = list(sprout.Log(record).frames())
+        record = self.folder / "answers.lcm"
+        run("sprout-pipeline", "--log-level", "error", "--replay", SAMPLE, "--record", record)
+        expected = list(sprout.Log(record).frames())
         for frame, whole in zip(self.replay("my_stages.py", "refine")[0], expected):
             self.assertTrue(same(frame.seeds, whole.seeds))
             self.assertEqual(len(frame.left_seeds), 0)
@@ -54,25 +50,23 @@ class StageTest(unittest.TestCase):
             self.assertTrue(same(frame.confidence, whole.confidence))
 
     def test_an_exception_costs_its_frame_only_and_is_counted(self) -> None:
-        with tempfile.TemporaryDirectory() as folder:
-            record = pathlib.Path(folder) / "answers.lcm"
-            code, text = python("my_stages.py", "grow", "--config", "fast", "--replay", SAMPLE, "--record", record)
-            self.assertEqual(code, 1, text)
-            self.assertEqual(text.count("confidence is not sent: the configuration does not ask for it"), 1, text)
-            self.assertRegex(text, r"frame 1: failed: RuntimeError: odd frames are too much at .*my_stages.py\(21\)")
-            self.assertRegex(text, r"5 in, 3 out \(0 degenerate\), 2 failed")
-            # So does an answer that nobody would take.
-            code, text = python("my_stages.py", "refine", "--config", "fast", "--replay", SAMPLE, "--record", record)
-            self.assertEqual(code, 1, text)
-            self.assertRegex(text, "seeds: seed 3: position not finite")
-            self.assertRegex(text, r"5 in, 3 out \(0 degenerate\), 2 failed")
+        record = self.folder / "answers.lcm"
+        code, text = python("my_stages.py", "grow", "--config", "fast", "--replay", SAMPLE, "--record", record)
+        self.assertEqual(code, 1, text)
+        self.assertEqual(text.count("confidence is not sent: the configuration does not ask for it"), 1, text)
+        self.assertRegex(text, r"frame 1: failed: RuntimeError: odd frames are too much at .*my_stages.py\(21\)")
+        self.assertRegex(text, r"5 in, 3 out \(0 degenerate\), 2 failed")
+        # So does an answer that nobody would take.
+        code, text = python("my_stages.py", "refine", "--config", "fast", "--replay", SAMPLE, "--record", record)
+        self.assertEqual(code, 1, text)
+        self.assertRegex(text, "seeds: seed 3: position not finite")
+        self.assertRegex(text, r"5 in, 3 out \(0 degenerate\), 2 failed")
 
     def test_a_text_in_place_of_an_answer_is_a_frame_without_a_result_also_an_empty_one(self) -> None:
-        with tempfile.TemporaryDirectory() as folder:
-            script = pathlib.Path(folder) / "nothing.py"
-            script.write_text('import sprout\n@sprout.stage("grow")\ndef nothing(frame, config):\n    return ""\n'
-                              'sprout.run()\n')
-            code, text = python(script, "--replay", SAMPLE, "--record", pathlib.Path(folder) / "answers.lcm")
+        script = self.folder / "nothing.py"
+        script.write_text('import sprout\n@sprout.stage("grow")\ndef nothing(frame, config):\n    return ""\n'
+                          'sprout.run()\n')
+        code, text = python(script, "--replay", SAMPLE, "--record", self.folder / "answers.lcm")
         self.assertEqual(code, 1, text)
         self.assertRegex(text, r"5 in, 5 out \(5 degenerate\)")
         self.assertIn("the stage's function gives no reason", text)
@@ -86,12 +80,11 @@ class StageTest(unittest.TestCase):
         self.assertEqual(python(PRIOR, "--version"), (0, f"mean_prior.py on sprout {sprout.__version__}\n"))
 
     def test_logs_and_records_its_own_name(self) -> None:
-        with tempfile.TemporaryDirectory() as folder:
-            record = pathlib.Path(folder) / "answers.lcm"
-            _, text = python(PRIOR, "--replay", SAMPLE, "--record", record)
-            self.assertIn(f"mean_prior.py on sprout {sprout.__version__}, configuration ", text)
-            self.assertNotIn("sprout-prior", text)
-            self.assertIn(f"mean_prior.py on sprout {sprout.__version__}", run("sprout-log", "info", record))
+        record = self.folder / "answers.lcm"
+        _, text = python(PRIOR, "--replay", SAMPLE, "--record", record)
+        self.assertIn(f"mean_prior.py on sprout {sprout.__version__}, configuration ", text)
+        self.assertNotIn("sprout-prior", text)
+        self.assertIn(f"mean_prior.py on sprout {sprout.__version__}", run("sprout-log", "info", record))
 
     def test_says_which_stage_is_not_known(self) -> None:
         with self.assertRaisesRegex(ValueError, "expected refine, prior or grow, given 'priors'"):
@@ -106,8 +99,8 @@ class StageTest(unittest.TestCase):
                    f"runpy.run_path({str(PRIOR)!r}, run_name='__main__')\n")
         isolate = SOURCE / "tests" / "system" / "in_private_network"
         for ending in (signal.SIGTERM, signal.SIGINT):
-            with subprocess.Popen([isolate, sys.executable, "-c", program], stderr=subprocess.PIPE, text=True,
-                                  env=environment()) as process:
+            with subprocess.Popen([isolate, sys.executable, "-c", program], stderr=subprocess.PIPE,
+                                  text=True) as process:
                 first = process.stderr.readline()
                 if " on sprout" not in first:
                     self.skipTest("no private network here: " + first)
@@ -119,8 +112,7 @@ class StageTest(unittest.TestCase):
 
     def test_stands_in_for_the_prior(self) -> None:
         done = subprocess.run([SOURCE / "scripts" / "check_stage", "--bin", BIN, "prior", "--", sys.executable,
-                               PRIOR], capture_output=True, text=True, timeout=300,
-                              env=environment())
+                               PRIOR], capture_output=True, text=True, timeout=300)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertIn("ok     one answer a frame", done.stdout)
 

@@ -1,12 +1,10 @@
-import pathlib
-import tempfile
 import unittest
 from typing import Any
 
 import numpy
 
 import sprout
-from frames import SAMPLE, compute, events, message, run, same, without_points, write_log
+from frames import SAMPLE, FolderTest, compute, events, message, run, same, without_points, write_log
 
 
 def zones_message(header: Any, zones: sprout.Zones) -> bytes:
@@ -35,45 +33,44 @@ def far_zones() -> sprout.Zones:
                         translation_m=(0.01, 0, 0))
 
 
-class ZonesTest(unittest.TestCase):
+class ZonesTest(FolderTest):
     """Against the replays of sprout-pipeline and sprout-refine."""
 
     def test_zones_give_the_bytes_of_the_replay(self) -> None:
         config = ("default", "refine { zones: true }")
         zones = far_zones()
-        with tempfile.TemporaryDirectory() as name:
-            path, answers = pathlib.Path(name) / "zones.lcm", pathlib.Path(name) / "answers.lcm"
-            items = []
-            for utime, channel, data in events(SAMPLE):
-                if channel == "SPROUT_TOF":
-                    data = without_points(data)
-                    header = message("tof_image_t").decode(data).header
-                    items.append((utime, "SPROUT_TOF_ZONES", zones_message(header, zones)))
-                if channel in ("SPROUT_LEFT", "SPROUT_RIGHT", "SPROUT_TOF", "SPROUT_RIG"):
-                    items.append((utime, channel, data))
-            write_log(path, items)
-            # All frames are degenerate: these zones leave no seed.
-            run("sprout-pipeline", "--config", config[0], "--config", config[1], "--log-level", "error",
-                "--replay", path, "--record", answers, expect=1)
-            seeds = pathlib.Path(name) / "seeds.lcm"
-            run("sprout-refine", "--config", config[0], "--config", config[1], "--log-level", "error",
-                "--replay", path, "--record", seeds, expect=1)
-            pipeline, without = sprout.Pipeline(*config), sprout.Pipeline("default")
-            frames = list(sprout.Log(path).frames())
-            self.assertGreaterEqual(len(frames), 3)
-            for given, expected, refined in zip(frames, sprout.Log(answers).frames(), sprout.Log(seeds).frames()):
-                self.assertIn("tof_zones", given.parts)
-                for field in ("depth_m", "sigma_m", "views", "doubtful", "translation_m", "rotation"):
-                    self.assertTrue(same(getattr(given.tof_zones, field), getattr(zones, field)), field)
-                frame = compute(pipeline, given, zones=zones)
-                self.assertTrue(same(frame.seeds, expected.seeds))
-                self.assertTrue(same(frame.seeds, refined.seeds))
-                self.assertTrue(same(frame.left_seeds, expected.left_seeds))
-                self.assertTrue(same(frame.disparity, expected.disparity))
-                self.assertTrue(same(compute(pipeline, given, zones=given.tof_zones).disparity, frame.disparity))
-                # They take seeds away.
-                self.assertLess(len(frame.seeds), len(compute(without, given).seeds))
-                self.assertTrue(same(compute(pipeline, given).seeds, compute(without, given).seeds))
+        path, answers = self.folder / "zones.lcm", self.folder / "answers.lcm"
+        items = []
+        for utime, channel, data in events(SAMPLE):
+            if channel == "SPROUT_TOF":
+                data = without_points(data)
+                header = message("tof_image_t").decode(data).header
+                items.append((utime, "SPROUT_TOF_ZONES", zones_message(header, zones)))
+            if channel in ("SPROUT_LEFT", "SPROUT_RIGHT", "SPROUT_TOF", "SPROUT_RIG"):
+                items.append((utime, channel, data))
+        write_log(path, items)
+        # All frames are degenerate: these zones leave no seed.
+        run("sprout-pipeline", "--config", config[0], "--config", config[1], "--log-level", "error",
+            "--replay", path, "--record", answers, expect=1)
+        seeds = self.folder / "seeds.lcm"
+        run("sprout-refine", "--config", config[0], "--config", config[1], "--log-level", "error",
+            "--replay", path, "--record", seeds, expect=1)
+        pipeline, without = sprout.Pipeline(*config), sprout.Pipeline("default")
+        frames = list(sprout.Log(path).frames())
+        self.assertGreaterEqual(len(frames), 3)
+        for given, expected, refined in zip(frames, sprout.Log(answers).frames(), sprout.Log(seeds).frames()):
+            self.assertIn("tof_zones", given.parts)
+            for field in ("depth_m", "sigma_m", "views", "doubtful", "translation_m", "rotation"):
+                self.assertTrue(same(getattr(given.tof_zones, field), getattr(zones, field)), field)
+            frame = compute(pipeline, given, zones=zones)
+            self.assertTrue(same(frame.seeds, expected.seeds))
+            self.assertTrue(same(frame.seeds, refined.seeds))
+            self.assertTrue(same(frame.left_seeds, expected.left_seeds))
+            self.assertTrue(same(frame.disparity, expected.disparity))
+            self.assertTrue(same(compute(pipeline, given, zones=given.tof_zones).disparity, frame.disparity))
+            # They take seeds away.
+            self.assertLess(len(frame.seeds), len(compute(without, given).seeds))
+            self.assertTrue(same(compute(pipeline, given).seeds, compute(without, given).seeds))
         with self.assertRaisesRegex(ValueError, "zones: 2x1, but refine.zones is false"):
             compute(without, frames[0], zones=zones)
 
