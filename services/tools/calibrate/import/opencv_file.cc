@@ -18,20 +18,22 @@ namespace {
 using Names = std::vector<std::string_view>;
 const std::array<Names, 2> kMatrix = {
     Names{"m1", "k1", "cameramatrix1", "leftk", "kleft", "kl", "ml", "leftcameramatrix",
-          "cameramatrixleft", "cameramatrixl", "intrinsicleft", "leftm", "mleft"},
+          "cameramatrixleft", "cameramatrixl", "intrinsicleft", "leftm", "mleft", "mtxl", "mtx1"},
     Names{"m2", "k2", "cameramatrix2", "rightk", "kright", "kr", "mr", "rightcameramatrix",
-          "cameramatrixright", "cameramatrixr", "intrinsicright", "rightm", "mright"}};
+          "cameramatrixright", "cameramatrixr", "intrinsicright", "rightm", "mright", "mtxr",
+          "mtx2"}};
 const std::array<Names, 2> kDistortion = {
     Names{"d1", "distcoeffs1", "distortioncoefficients1", "leftd", "dleft", "dl", "leftdistcoeffs",
-          "distcoeffsleft", "distcoeffsl", "distortionleft", "distcoeff1"},
+          "distcoeffsleft", "distcoeffsl", "distortionleft", "distcoeff1", "distl", "dist1"},
     Names{"d2", "distcoeffs2", "distortioncoefficients2", "rightd", "dright", "dr",
-          "rightdistcoeffs", "distcoeffsright", "distcoeffsr", "distortionright", "distcoeff2"}};
+          "rightdistcoeffs", "distcoeffsright", "distcoeffsr", "distortionright", "distcoeff2",
+          "distr", "dist2"}};
 const std::array<Names, 2> kRectifyingTurn = {Names{"r1", "leftr", "rleft", "rl"},
                                               Names{"r2", "rightr", "rright", "rr"}};
 const std::array<Names, 2> kProjection = {Names{"p1", "leftp", "pleft", "pl"},
                                           Names{"p2", "rightp", "pright", "pr"}};
-const Names kRotation = {"r", "rotation", "rotationmatrix", "rlr"};
-const Names kTranslation = {"t", "translation", "translationvector", "tlr"};
+const Names kRotation = {"r", "rotation", "rotationmatrix", "rlr", "rot"};
+const Names kTranslation = {"t", "translation", "translationvector", "tlr", "trans", "trns"};
 const Names kSize = {"imagesize", "size", "imgsize", "framesize", "resolution"};
 const Names kWidth = {"imagewidth", "width", "leftwidth", "imgwidth"};
 const Names kHeight = {"imageheight", "height", "leftheight", "imgheight"};
@@ -83,6 +85,24 @@ bool AreEqual(const cv::FileNode& a, const cv::FileNode& b) {
   return std::equal(a.begin(), a.end(), b.begin(), AreEqual);
 }
 
+// A list of numbers, or of rows of them, as NumPy's tolist() gives it; empty where it is none.
+cv::Mat1d OfLists(const cv::FileNode& node) {
+  const auto is_number = [](const cv::FileNode& item) { return item.isInt() || item.isReal(); };
+  const bool has_rows = node.size() > 0 && (*node.begin()).isSeq();
+  const size_t columns = has_rows ? (*node.begin()).size() : 1;
+  std::vector<double> numbers;
+  for (const cv::FileNode& row : node) {
+    if (has_rows ? !row.isSeq() || row.size() != columns : !is_number(row)) return {};
+    if (!has_rows) numbers.push_back(static_cast<double>(row));
+    for (size_t i = 0; has_rows && i < columns; ++i) {
+      const cv::FileNode item = row[static_cast<int>(i)];
+      if (!is_number(item)) return {};
+      numbers.push_back(static_cast<double>(item));
+    }
+  }
+  return cv::Mat1d(numbers, /*copyData=*/true).reshape(1, static_cast<int>(node.size()));
+}
+
 // All entries of the files, by their plain names.
 class Entries {
  public:
@@ -128,13 +148,17 @@ class Entries {
     if (node == nullptr) return {};
     cv::Mat matrix;
     try {
-      *node >> matrix;
+      if (node->isSeq()) {
+        matrix = OfLists(*node);
+      } else {
+        *node >> matrix;
+      }
     } catch (const cv::Exception&) {  // an empty matrix says it all
     }
     if (matrix.empty() || matrix.channels() != 1 || !cv::checkRange(matrix)) {
       throw ConfigError(where_ + ": " + node->name() +
                         " is no matrix; allowed: rows, cols, dt, and as many finite numbers as "
-                        "data");
+                        "data; or a list of rows of them");
     }
     cv::Mat1d numbers;
     matrix.convertTo(numbers, CV_64F);
@@ -167,8 +191,10 @@ class Entries {
 
   cv::Size ImageSize() const {
     cv::Size size;
-    if (const cv::FileNode* const both = Find(kSize); both != nullptr && both->size() == 2) {
-      size = {static_cast<int>((*both)[0]), static_cast<int>((*both)[1])};
+    const cv::FileNode* const both = Find(kSize);
+    if (both != nullptr && (both->isSeq() || (both->isMap() && !(*both)["data"].empty()))) {
+      const cv::Mat1d numbers = FindMatrix(kSize);
+      if (numbers.total() == 2) size = cv::Size2d(numbers(0), numbers(1));
     }
     const cv::FileNode* const width = Find(kWidth);
     const cv::FileNode* const height = Find(kHeight);

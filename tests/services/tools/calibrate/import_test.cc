@@ -92,7 +92,8 @@ TEST_F(Import, OpencvsFilesUnderAnyOfTheirNames) {
       {"cameraMatrix1", "distCoeffs1", "cameraMatrix2", "distCoeffs2", "R", "T"},
       {"camera_matrix_left", "dist_coeffs_left", "camera_matrix_right", "dist_coeffs_right", "R",
        "T"},
-      {"K_l", "D_l", "K_r", "D_r", "R", "T"}};
+      {"K_l", "D_l", "K_r", "D_r", "R", "T"},
+      {"mtxL", "distL", "mtxR", "distR", "Rot", "Trns"}};
   for (const auto& names : all_names) {
     for (const char* file : {"stereo.yml", "stereo.xml", "stereo.json"}) {
       const ForeignRig rig = ReadForeignRig({WriteOpencv(file, names)});
@@ -100,6 +101,31 @@ TEST_F(Import, OpencvsFilesUnderAnyOfTheirNames) {
       EXPECT_EQ(rig.left.size, truth_.size);
     }
   }
+}
+
+// json.dump() of the arrays' tolist(); the size as an array, as FileStorage of Python has it.
+TEST_F(Import, ListsOfPython) {
+  const auto lists = [](const cv::Mat& matrix) {
+    std::string text;
+    for (int row = 0; row < matrix.rows; ++row) {
+      text += row == 0 ? "[[" : "], [";
+      for (int i = 0; i < matrix.cols; ++i) {
+        text += fmt::format("{}{:.17g}", i == 0 ? "" : ", ", matrix.at<double>(row, i));
+      }
+    }
+    return text + "]]";
+  };
+  const std::string json = fmt::format(
+      R"({{"M1": {}, "D1": {}, "M2": {}, "D2": {}, "R": {}, "T": [{:.17g}, {:.17g}, {:.17g}],
+          "image_size": {{"type_id": "opencv-matrix", "rows": 2, "cols": 1, "dt": "i", "data": [640, 480]}}}})",
+      lists(cv::Mat(truth_.k1)), lists(cv::Mat(truth_.d1)), lists(cv::Mat(truth_.k2)),
+      lists(cv::Mat(truth_.d2)), lists(cv::Mat(truth_.r)), truth_.t.val[0], truth_.t.val[1],
+      truth_.t.val[2]);
+  const ForeignRig rig = ReadForeignRig({Write("stereo.json", json)});
+  ExpectTruth(rig, truth_);
+  EXPECT_EQ(rig.left.size, truth_.size);
+  EXPECT_THAT(Refusal({Write("words.json", R"({"M1": [["a", 2]]})")}),
+              HasSubstr("M1 is no matrix"));
 }
 
 // As OpenCV's stereo_calib writes them: without the size of the images.
@@ -148,7 +174,7 @@ TEST_F(Import, SaysWhatOfOpencvsFileIsMissing) {
               HasSubstr("half.yml: no entry with one of the names m2, k2, cameramatrix2, "));
   EXPECT_THAT(Refusal({file}),
               HasSubstr("there are: image_width image_height LEFT_K D1 other D2 R T"));
-  EXPECT_THAT(Refusal({Write("bad.yml", "%YAML:1.0\n---\nM1: [ 1, 2, 3 ]\n")}),
+  EXPECT_THAT(Refusal({Write("bad.yml", "%YAML:1.0\n---\nM1: [ [1, 2], [3] ]\n")}),
               HasSubstr("bad.yml: M1 is no matrix; allowed: rows, cols, dt, and as many finite "));
   EXPECT_THAT(Refusal({Write("torn.yml", "%YAML:1.0\n---\nM1: !!opencv-matrix\n   rows: 3\n")}),
               HasSubstr("torn.yml: "));
