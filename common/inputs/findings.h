@@ -43,6 +43,8 @@ struct Finding {
   std::string text = {};
   /// The flag of `sprout-pipeline files` that puts it right, as "--tof-unit cm"; empty: none does.
   std::string flag = {};
+  /// Of kHits: the only thing that is bad is that ranges of exactly this, m, are none; else 0.
+  float no_return_m = 0;
 };
 
 /// "scene", "time", "sides", "rows", "bits", "contrast", "hits", "place", "scale", "moment".

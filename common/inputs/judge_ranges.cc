@@ -19,8 +19,6 @@ struct RangeVerdicts {
   /// Share of those in the left picture that has to hit the right one, too, where there are many.
   static constexpr double kHitsBoth = 0.05;
   static constexpr int kManyInPicture = 100;
-  /// Share of the matches that agrees with a background of one range.
-  static constexpr double kBackground = 0.2;
   /// Shares of the matches that agree: 0.81 to 1 in good frames.
   static constexpr double kGood = 0.7;         ///< the scale is right; or a move explains the frame
   static constexpr double kOfOneMoment = 0.8;  ///< ranges and images are of one moment
@@ -163,8 +161,26 @@ std::string ReturnsText(const RangeModel& model) {
       model.returns, model.pixels, std::min(model.in_picture, model.returns));
 }
 
+// What lies so near that the right camera does not see it becomes no seed and is never compared.
+bool AreTooNear(const RangeModel& model) {
+  return model.in_picture >= RangeVerdicts::kManyInPicture &&
+         model.in_both < RangeVerdicts::kHitsBoth * model.in_picture;
+}
+
+// Whether a number among the ranges means that there is none, and that is all.
+bool HasNoReturn(const RangeModel& model) {
+  return model.repeated.count > 0 && model.repeated.MeansNothing() && !AreTooNear(model) &&
+         !IsExplained(model);
+}
+
 // What is wrong with the ranges by themselves; empty: nothing.
 std::string FaultOf(const RangeModel& model) {
+  if (HasNoReturn(model)) {
+    return fmt::format(
+        "{} pixels of the range image have exactly {:.3f} m, and stereo sees no such wall: is that "
+        "what the sensor says where it measures nothing? give 0 there",
+        model.repeated.count, model.repeated.depth_m);
+  }
   const double apart = Share(model.apart, model.pairs);
   if (model.pairs >= RangeVerdicts::kFewPairs && apart > RangeVerdicts::kNoise) {
     return fmt::format(
@@ -172,22 +188,12 @@ std::string FaultOf(const RangeModel& model) {
         "bytes in another order?",
         100 * apart);
   }
-  // What lies so near that the right camera does not see it becomes no seed and is never compared.
-  if (model.in_picture >= RangeVerdicts::kManyInPicture &&
-      model.in_both < RangeVerdicts::kHitsBoth * model.in_picture) {
+  if (AreTooNear(model)) {
     return fmt::format(
         "{} of {} range points in the left picture lie outside the right one, as what is too near: "
         "in which unit are ranges, where does the range sensor stand (rig file), and "
         "do focal length and baseline belong to these images?",
         model.in_picture - model.in_both, model.in_picture);
-  }
-  const RepeatedRange& repeated = model.repeated;
-  if (repeated.count > 0 && repeated.agreeing <= RangeVerdicts::kBackground * repeated.compared &&
-      !IsExplained(model)) {
-    return fmt::format(
-        "{} pixels of the range image have exactly {:.3f} m, and no other more than {:.3f} m: is "
-        "that what the sensor says where it measures nothing? give 0 there",
-        repeated.count, repeated.depth_m, repeated.next_m);
   }
   if (model.returns > 0) {
     if (Share(model.in_picture, model.values) >= RangeVerdicts::kHits) return "";
@@ -211,7 +217,8 @@ Finding JudgeHits(const RangeModel& model) {
           .value = 100 * Share(model.in_picture, model.values),
           .sigma = 0,
           .text = fault.empty() ? ReturnsText(model) : fault,
-          .flag = model.returns == 0 && model.values > 0 ? FlagOf("mm") : ""};
+          .flag = model.returns == 0 && model.values > 0 ? FlagOf("mm") : "",
+          .no_return_m = HasNoReturn(model) ? model.repeated.depth_m : 0};
 }
 
 std::string SideText(double px, const char* less, const char* more) {

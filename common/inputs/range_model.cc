@@ -306,6 +306,20 @@ std::vector<Match> Swapped(std::span<const Match> matches) {
   return swapped;
 }
 
+// What means nothing is left out of all that follows.
+void LookForRepeated(const TofImage& tof, const Comparison& comparison,
+                     std::vector<RangePixel>& all, RepeatedRange& repeated) {
+  repeated = FindRepeatedRange(tof);
+  if (repeated.count == 0) return;
+  const auto others = std::ranges::stable_partition(
+      all, [&](const RangePixel& pixel) { return pixel.depth == repeated.depth_m; });
+  const std::vector<RangePixel> there(all.begin(), others.begin());
+  const Agreement agreement = comparison.Compare(Chosen(there, RangeRules::kMaxPoints), {});
+  repeated.compared = agreement.compared;
+  repeated.agreeing = agreement.agreeing;
+  if (repeated.MeansNothing()) all.erase(all.begin(), others.begin());
+}
+
 }  // namespace
 
 double MoreAgree(const Agreement& one, const Agreement& other, Vote least) {
@@ -322,22 +336,13 @@ double MoreAgree(const Agreement& one, const Agreement& other, Vote least) {
 RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
                          const TofProjector& projector) {
   RangeModel model;
-  const std::vector<RangePixel> all = Collect(tof, model);
+  std::vector<RangePixel> all = Collect(tof, model);
   if (all.empty()) return model;
   const RectifiedPair& pair = projector.rig().pair;
   const Comparison comparison(matches, projector);
+  LookForRepeated(tof, comparison, all, model.repeated);
   const std::vector<RangePixel> pixels = Chosen(all, RangeRules::kMaxPoints);
   model.as_is = comparison.Compare(pixels, {});
-  model.repeated = FindRepeatedRange(tof);
-  if (model.repeated.count > 0) {
-    std::vector<RangePixel> repeated;
-    std::ranges::copy_if(all, std::back_inserter(repeated), [&](const RangePixel& pixel) {
-      return pixel.depth == model.repeated.depth_m;
-    });
-    const Agreement there = comparison.Compare(Chosen(repeated, RangeRules::kMaxPoints), {});
-    model.repeated.compared = there.compared;
-    model.repeated.agreeing = there.agreeing;
-  }
   const double part = static_cast<double>(pixels.size()) / static_cast<double>(all.size());
   model.in_picture = static_cast<int>(std::lround(model.as_is.in_picture / part));
   model.in_both = static_cast<int>(std::lround(model.as_is.in_both / part));

@@ -4,14 +4,18 @@
 
 namespace sprout::inputs {
 
-/// The largest range, where many pixels have exactly this one and all others are much less: what a
-/// sensor may say where it measures nothing (32.767 m, 65.534 m, 10 m ...), or a flat background.
+/// A range that many pixels have exactly, where all others are much less, or few have any one
+/// beside it: what a sensor may say where it measures nothing (32.767 m, 10 m, 2.047 m ...), or a
+/// flat wall.
 struct RepeatedRange {
-  float depth_m = 0;  ///< 0: there is none
-  float next_m = 0;   ///< the largest of all other ranges
-  int count = 0;      ///< pixels that have it
-  int compared = 0;   ///< matches among their points in the picture
-  int agreeing = 0;   ///< of them, with their disparity
+  float depth_m = 0;       ///< 0: there is none
+  bool is_beyond = false;  ///< all others are much less
+  int count = 0;           ///< pixels that have it
+  int compared = 0;        ///< matches among their points in the picture
+  int agreeing = 0;        ///< of them, with their disparity
+
+  /// Whether stereo does not see a wall there.
+  bool MeansNothing() const;
 };
 
 /// Without what matches say of it. O(ToF pixels).

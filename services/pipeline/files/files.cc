@@ -144,6 +144,24 @@ TofImage RangesOf(const Frame& frame, double unambiguous_range_m) {
                                          TofProjector(*frame.rig), unambiguous_range_m);
 }
 
+// Leaves out ranges that would spoil what the pair shows: all of them if they are noise, hit
+// nothing or have another scale. @returns what to say of it.
+std::string LeaveOutRanges(const inputs::Findings& findings, bool has_map_without, TofImage& tof) {
+  std::string said;
+  for (const inputs::Finding& finding : findings) {
+    if (finding.no_return_m == 0) continue;
+    tof.depth_m.setTo(0, tof.depth_m == finding.no_return_m);
+    said = fmt::format("; ranges of exactly {:.3f} m are left out", finding.no_return_m);
+  }
+  const bool hits_is_bad = said.empty() && AnyIsBad(findings, {inputs::Question::kHits});
+  if (has_map_without && !tof.depth_m.empty() &&
+      (hits_is_bad || AnyIsBad(findings, {inputs::Question::kScale}))) {
+    tof = TofImage();
+    said = "; no range is believed";
+  }
+  return said;
+}
+
 Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline& pipeline,
                              const SproutConfig& config) {
   using Clock = std::chrono::steady_clock;
@@ -158,13 +176,7 @@ Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline
       if (!finding.flag.empty()) finding.text += " " + finding.flag;
     }
     std::string complaint = BadText(findings);
-    // Ranges that are noise, hit nothing, or have another scale would spoil what the pair shows.
-    const bool has_map_without = config.refine().stereo_seeds();
-    if (has_map_without && !frame->tof->depth_m.empty() &&
-        AnyIsBad(findings, {inputs::Question::kHits, inputs::Question::kScale})) {
-      frame->tof = TofImage();
-      complaint += "; no range is believed";
-    }
+    complaint += LeaveOutRanges(findings, config.refine().stereo_seeds(), *frame->tof);
     Result<DepthFrame> depth =
         pipeline.Compute(frame->left, frame->right, *frame->tof, *frame->rig);
     if (!depth) return tl::unexpected(depth.error());

@@ -96,6 +96,17 @@ TEST(CheckInputs, AsksForANumberThatMayMeanNothing) {
   const cv::Rect hole(40, 30, 14, 12);
   parts.tof.depth_m(hole).setTo(32.767F);
   ExpectBad(parts, Question::kHits, "168 pixels of the range image have exactly 32.767 m");
+  EXPECT_EQ(parts.Answer(Question::kHits).no_return_m, 32.767F);
+  // Also among the depths of the scene; all else is asked of the others.
+  std::vector<float> depths(parts.tof.depth_m.begin(), parts.tof.depth_m.end());
+  std::ranges::nth_element(depths, depths.begin() + std::ssize(depths) / 4);
+  const float code = depths[depths.size() / 4] + 0.0003F;
+  for (int y = 0; y < parts.tof.depth_m.rows; ++y) {
+    for (int x = y % 3; x < parts.tof.depth_m.cols; x += 3) parts.tof.depth_m(y, x) = code;
+  }
+  parts.tof.depth_m(hole).setTo(code);
+  EXPECT_EQ(parts.Answer(Question::kHits).no_return_m, code) << parts.Answer(Question::kHits).text;
+  EXPECT_EQ(parts.Answer(Question::kScale).verdict, Verdict::kGood);
   // A wall of one distance is where stereo sees it, too.
   parts = SceneOf("synthetic:640x480?tof=grid");
   double far = 0;

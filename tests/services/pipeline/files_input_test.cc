@@ -276,6 +276,18 @@ TEST_F(FilesInput, OfRangesAreInTheUnitThatIsGiven) {
   }
 }
 
+TEST_F(FilesInput, OfANumberThatMeansNothingAreComputedWithoutIt) {
+  cv::Mat1w depth;
+  RangePicture(1000).convertTo(depth, CV_16U);
+  for (int y = 0; y < depth.rows; ++y) {
+    for (int x = y % 3; x < depth.cols; x += 3) depth(y, x) = 65533;
+  }
+  options_.tof = Write("tof.png", depth);
+  EXPECT_EQ(Run(), 1);
+  EXPECT_THAT(err_, HasSubstr("; ranges of exactly 65.533 m are left out"));
+  EXPECT_GT(Right(Depth()), 95);
+}
+
 TEST_F(FilesInput, OfRangesThatAreWrongAreComputedWithout) {
   EXPECT_EQ(Run(), 0);
   const cv::Mat1f without = Depth();
