@@ -1,6 +1,7 @@
 #include "common/rig/rig_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string_view>
 
@@ -48,7 +49,13 @@ Pose PoseOf(const std::string& name, const RigPose& message) {
   std::array<double, 3> t{};
   Fill(name + ".rotation", message.rotation(), /*may_be_fewer=*/false, q);
   Fill(name + ".translation_m", message.translation_m(), /*may_be_fewer=*/false, t);
-  return {.rotation = {q[0], q[1], q[2], q[3]}, .translation_m = {t[0], t[1], t[2]}};
+  Pose pose{.rotation = {q[0], q[1], q[2], q[3]}, .translation_m = {t[0], t[1], t[2]}};
+  // People write three or four digits; what programs write stays as it is.
+  constexpr double kRounded = 1e-3;
+  constexpr double kExact = 1e-6;
+  const double off = std::abs(pose.rotation.norm() - 1);
+  if (off > kExact && off < kRounded) pose.rotation.normalize();
+  return pose;
 }
 
 // Whether a text looks like a calibration of OpenCV, ROS or Kalibr.

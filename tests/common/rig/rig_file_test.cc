@@ -206,6 +206,14 @@ TEST_F(RigFile, MayPlaceCamerasWithoutACalibration) {
   EXPECT_EQ(places.others.at("a").left_from_camera.translation_m, Eigen::Vector3d(1, 2, 3));
 }
 
+TEST_F(RigFile, TakesRotationsThatAreRounded) {
+  for (const std::string half : {"0.707", "0.7071", "0.70711", "0.70710678118654757"}) {
+    Write("base_from_left { rotation: [" + half + ", 0, " + half + ", 0] }");
+    const RigPlaces places = PlacesOf(LoadRigFile(path_), path_);
+    EXPECT_NEAR(places.base_from_left->rotation.w(), std::sqrt(0.5), 1e-12) << half;
+  }
+}
+
 TEST_F(RigFile, NamesThePlaceThatCannotBeUsed) {
   const auto error = [&](const std::string& text) {
     Write(text);
