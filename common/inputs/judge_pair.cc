@@ -299,7 +299,8 @@ Finding JudgeBits(const cv::Mat1b& left, const cv::Mat1b& right) {
     finding.verdict = Verdict::kBad;
     finding.text = fmt::format(
         "neighbouring pixels differ {:.1f} times as much as every second ones: are these raw "
-        "images behind a colour filter (Bayer)? give the demosaiced ones, or tell the pattern",
+        "images behind a colour filter (Bayer)? demosaic them, or give their format its name, such "
+        "as bayer_rggb8",
         mosaic);
   } else {
     finding.verdict = Verdict::kGood;
