@@ -79,6 +79,9 @@ struct AlignmentRules {
   /// 3.4 (19 frames each; one, that an error of the ranges explains better, 3.8), those that are
   /// pitched by 0.2 degrees 4.5 and more with 16 beams.
   static constexpr double kMoveSigmas = 3.5;
+  /// The lidar is rolled if that gains so many more than a turn alone: of 206 right scans of 4 to
+  /// 64 beams one has 4.7, the others up to 3.1; those rolled by 1 degree 6.3 and more.
+  static constexpr double kRollSigmas = 5;
   /// The rig has moved if that gains so many more than a turn alone: scans of 0.1 s before the pair
   /// have 2.6 to 5.9, others up to 2.0. Points farther away must gain more, since what the lidar
   /// sees past the edges of near surfaces fits there: turned and right scans have up to 4.6, those

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -30,19 +31,24 @@ double Mean(const std::vector<float>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
+double RollRad(const RectifiedPair& pair, double px_at_half_width) {
+  return 2 * px_at_half_width / pair.width;
+}
+
 // Eqs. (A9) and (A10): first nearer, then turned. What the rig has passed lies outside the image.
-SlantedPatch Moved(const RectifiedPair& pair, const RangeNode& node, const cv::Point3d& move) {
+SlantedPatch Moved(const RectifiedPair& pair, const RangeNode& node, const Eigen::Vector4d& move) {
   const cv::Point2d centre(pair.cx, pair.cy);
   const double infinity_px = pair.cx - pair.cx_right;
-  const double nearer = move.z / (pair.focal_px * pair.baseline_m);
+  const double nearer = move.z() / (pair.focal_px * pair.baseline_m);
   const double disparity = node.disparity - infinity_px;
   const double growth = 1 / (1 - nearer * disparity);
   if (!(growth > 0)) return {{-1, -1}, 0, {}};
   const double at_centre = disparity - node.slope.dot(node.at - centre);
   const cv::Point2d ray = growth / pair.focal_px * (node.at - centre);
-  const cv::Point2d turn(move.x, move.y);
+  const cv::Point2d turn(move.x(), move.y());
   const double along = turn.dot(ray);
-  return {centre + pair.focal_px * ray + turn + along * ray,
+  const cv::Point2d roll = RollRad(pair, move.w()) * pair.focal_px * cv::Point2d(-ray.y, ray.x);
+  return {centre + pair.focal_px * ray + turn + along * ray + roll,
           growth * disparity * (1 + along / pair.focal_px) + infinity_px,
           node.slope / (1 - nearer * at_centre)};
 }
@@ -101,9 +107,9 @@ void ScanAligner::Look(const RangeInput& input, const Move& move,
 
 // Eq. (A8).
 double ScanAligner::CostOf(const RangeInput& input, const Move& move) {
-  if (move == Move()) return Mean(excess_here_);
+  if (move.isZero(0)) return Mean(excess_here_);
   const double length_px =
-      std::sqrt(move.x * move.x + move.y * move.y + std::pow(move.z / m_per_px_, 2));
+      Eigen::Vector4d(move.x(), move.y(), move.z() / m_per_px_, move.w()).norm();
   if (!(length_px <= Rules::kMaxMovePx)) return std::numeric_limits<double>::infinity();
   Look(input, move, excess_);
   return Mean(excess_) + Rules::kMovePrice * length_px;
@@ -111,8 +117,9 @@ double ScanAligner::CostOf(const RangeInput& input, const Move& move) {
 
 // One step along each axis. The ground shows moves down better than those across.
 std::vector<ScanAligner::Move> ScanAligner::StepsOf(double step_px, Freedom freedom) const {
-  std::vector<Move> steps = {{step_px, 0, 0}, {0, std::max(1.0, step_px / 2), 0}};
-  if (freedom == Freedom::kTurnAndMotion) steps.push_back({0, 0, step_px * m_per_px_});
+  std::vector<Move> steps = {{step_px, 0, 0, 0}, {0, std::max(1.0, step_px / 2), 0, 0}};
+  if (freedom == Freedom::kTurnAndMotion) steps.push_back({0, 0, step_px * m_per_px_, 0});
+  if (freedom == Freedom::kTurnAndRoll) steps.push_back({0, 0, 0, step_px});
   return steps;
 }
 
@@ -124,7 +131,7 @@ ScanAligner::Move ScanAligner::Descend(const RangeInput& input, Move from, doubl
     const Move before = from;
     for (const Move& step : StepsOf(step_px, freedom)) {
       const Move start = from;
-      for (const Move& way : {step, -step}) {
+      for (const Move& way : {step, Move(-step)}) {
         if (from != start) break;
         double cost = CostOf(input, from + way);
         while (cost < least) {
@@ -169,30 +176,42 @@ double ScanAligner::CurveGain(const RangeInput& input) {
   return gain / static_cast<double>(nodes_.size());
 }
 
+// Ends the search of a candidate with all nodes.
+void ScanAligner::Refine(const RangeInput& input, Freedom freedom, Candidate& candidate) {
+  candidate.move = Descend(input, candidate.move, 1, freedom);
+  Look(input, candidate.move, candidate.excess);
+}
+
 ScanMove ScanAligner::Estimate(const RangeInput& input, std::span<const ProjectedPoint> points) {
   Take(input, points, Rules::kFirstScanPoints);
   if (nodes_.size() < Rules::kFewestScanPoints) return {};
-  const double here = CostOf(input, {});
+  const Move nowhere = Move::Zero();
+  const double here = CostOf(input, nowhere);
   const auto is_better = [&](const Move& move) { return CostOf(input, move) < here; };
-  const std::vector<Move> first = StepsOf(Rules::kFirstStepPx, Freedom::kTurnAndMotion);
+  std::vector<Move> first = StepsOf(Rules::kFirstStepPx, Freedom::kTurnAndMotion);
+  first.push_back(StepsOf(Rules::kFirstStepPx, Freedom::kTurnAndRoll).back());
   if (std::ranges::none_of(first,
                            [&](const Move& step) { return is_better(step) || is_better(-step); })) {
     return {};
   }
-  turn_.move = Descend(input, {}, Rules::kFirstStepPx, Freedom::kTurn);
-  motion_.move = Descend(input, {}, Rules::kFirstStepPx, Freedom::kTurnAndMotion);
+  turn_.move = Descend(input, nowhere, Rules::kFirstStepPx, Freedom::kTurn);
+  roll_.move = Descend(input, nowhere, Rules::kFirstStepPx, Freedom::kTurnAndRoll);
+  motion_.move = Descend(input, nowhere, Rules::kFirstStepPx, Freedom::kTurnAndMotion);
   Take(input, points, Rules::kMaxScanPoints);
-  turn_.move = Descend(input, turn_.move, 1, Freedom::kTurn);
-  motion_.move = Descend(input, motion_.move, 1, Freedom::kTurnAndMotion);
-  Look(input, turn_.move, turn_.excess);
-  Look(input, motion_.move, motion_.excess);
-  const bool has_moved = GainInSigmas(turn_.excess, motion_.excess) >=
-                         (motion_.move.z > 0 ? Rules::kNearerSigmas : Rules::kFartherSigmas);
-  const Candidate& best = has_moved ? motion_ : turn_;
+  Refine(input, Freedom::kTurn, turn_);
+  Refine(input, Freedom::kTurnAndRoll, roll_);
+  Refine(input, Freedom::kTurnAndMotion, motion_);
+  const double roll_sigmas = GainInSigmas(turn_.excess, roll_.excess);
+  const double motion_sigmas = GainInSigmas(turn_.excess, motion_.excess);
+  const bool is_rolled = roll_sigmas >= Rules::kRollSigmas && roll_sigmas > motion_sigmas;
+  const bool has_moved =
+      motion_sigmas >= (motion_.move.z() > 0 ? Rules::kNearerSigmas : Rules::kFartherSigmas);
+  const Candidate& best = is_rolled ? roll_ : has_moved ? motion_ : turn_;
   const double sigmas = GainInSigmas(excess_here_, best.excess);
-  return {.du_px = best.move.x,
-          .dv_px = best.move.y,
-          .nearer_m = best.move.z,
+  return {.du_px = best.move.x(),
+          .dv_px = best.move.y(),
+          .roll_rad = RollRad(input.rig.pair, best.move.w()),
+          .nearer_m = best.move.z(),
           .significance = sigmas,
           .is_off = sigmas >= Rules::kMoveSigmas &&
                     Mean(excess_here_) - Mean(best.excess) > CurveGain(input)};
@@ -204,16 +223,21 @@ void ApplyMove(const ScanMove& move, const Rig& rig, std::vector<ProjectedPoint>
     place.z() -= move.nearer_m;
     if (!(place.z() > 0)) continue;
     const Seed seed = ProjectToPair(rig.pair, place);
-    point.seed.u = seed.u;
-    point.seed.v = seed.v;
-    point.seed.u_right = seed.u_right;
+    const auto across = static_cast<float>(-move.roll_rad * (seed.v - rig.pair.cy));
+    const auto down = static_cast<float>(move.roll_rad * (seed.u - rig.pair.cx));
+    point.seed.u = seed.u + across;
+    point.seed.v = seed.v + down;
+    point.seed.u_right = seed.u_right + across;
   }
   ApplyOffset({.du_px = move.du_px, .dv_px = move.dv_px}, rig, points);
 }
 
 std::string ScanMoveText(const ScanMove& move) {
-  const std::string beside =
+  std::string beside =
       fmt::format("({:+.0f}, {:+.0f}) px in the left image", move.du_px, move.dv_px);
+  if (move.roll_rad != 0) {
+    beside += fmt::format(" and rolled by {:+.2f}°", move.roll_rad * 180 / std::numbers::pi);
+  }
   if (move.nearer_m == 0) {
     return "the lidar's points fit the pair when moved by " + beside +
            ", and were: it is turned, or it measures at another moment";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <opencv2/core.hpp>
 #include <span>
 #include <string>
@@ -16,6 +17,7 @@ namespace sprout::refine {
 struct ScanMove {
   double du_px = 0;  ///< to be added in the left image: the lidar is turned, or the rig turns
   double dv_px = 0;
+  double roll_rad = 0;      ///< about the optical axis of the left camera, clockwise > 0
   double nearer_m = 0;      ///< to be taken off the depths z: the rig moved forward since the scan
   double significance = 0;  ///< what the images gain by the move, in standard deviations
   bool is_off = false;      ///< the move is sure
@@ -32,14 +34,16 @@ class ScanAligner {
   /// @param points  those of input.surface.
   /// @returns a move that is not off if there is none, or if an error of the ranges that all points
   /// share explains the images better: eqs. (A7) to (A10) of the README.
-  /// O(points), 0.25 µs a look at a point: 1200 points are looked at in six places, and in about 60
-  /// if one of these is better. No I/O; on OpenCV's threads, with the same result for any number.
+  /// O(points), 0.25 µs a look at a point: 1200 points are looked at in eight places, and in about
+  /// 100 if one of these is better. No I/O; on OpenCV's threads, with the same result for any
+  /// number.
   ScanMove Estimate(const RangeInput& input, std::span<const ProjectedPoint> points);
 
  private:
-  // How the points are moved: (x, y) in the left image, px; z nearer, m.
-  using Move = cv::Point3d;
-  enum class Freedom { kTurn, kTurnAndMotion };
+  // How the points are moved: by (x, y) in the left image, px; z nearer, m; and rolled by w, px at
+  // half the width.
+  using Move = Eigen::Vector4d;
+  enum class Freedom { kTurn, kTurnAndRoll, kTurnAndMotion };
   struct Candidate {
     Move move;
     std::vector<float> excess;  // of the nodes
@@ -47,6 +51,7 @@ class ScanAligner {
 
   void Take(const RangeInput& input, std::span<const ProjectedPoint> points, size_t most);
   void Look(const RangeInput& input, const Move& move, std::vector<float>& excess) const;
+  void Refine(const RangeInput& input, Freedom freedom, Candidate& candidate);
   double CostOf(const RangeInput& input, const Move& move);
   std::vector<Move> StepsOf(double step_px, Freedom freedom) const;
   Move Descend(const RangeInput& input, Move from, double step_px, Freedom freedom);
@@ -58,6 +63,7 @@ class ScanAligner {
   std::vector<float> excess_;       // the same elsewhere
   double m_per_px_ = 0;             // depth that changes the disparity of a near point by 1 px
   Candidate turn_;
+  Candidate roll_;
   Candidate motion_;
   RangeCurve curve_;
 };

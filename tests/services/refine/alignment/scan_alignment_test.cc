@@ -20,6 +20,7 @@ using ::testing::HasSubstr;
 // What is wrong with a scan.
 struct ScanError {
   double right_px = 0, down_px = 0;  // its points are projected so far beside their places
+  double roll_rad = 0;               // and turned about the optical axis, clockwise > 0
   double farther_m = 0;              // the rig has moved forward since; less than 0: is yet to
   double longer_m = 0;               // its ranges are too long
 };
@@ -42,7 +43,11 @@ struct ScanScene : Scene {
       for (int u = 1; u < left.cols; u += 4) {
         const double disparity = double{frame.truth.left(v, u)};
         if (!(disparity > 0)) continue;
-        Add({u + error.right_px, v + error.down_px}, rig.pair.DepthFromDisparity(disparity), error);
+        const double across = u - rig.pair.cx;
+        const double down = v - rig.pair.cy;
+        Add({u + error.right_px - error.roll_rad * down,
+             v + error.down_px + error.roll_rad * across},
+            rig.pair.DepthFromDisparity(disparity), error);
       }
     }
     int behind = 0;
@@ -78,6 +83,18 @@ TEST(ScanAligner, FindsHowFarAScanIsTurned) {
     EXPECT_TRUE(move.is_off) << error.right_px << ", " << error.down_px;
     EXPECT_NEAR(move.du_px, -error.right_px, 1);
     EXPECT_NEAR(move.dv_px, -error.down_px, 1);
+    EXPECT_EQ(move.nearer_m, 0);
+    EXPECT_EQ(move.roll_rad, 0);
+  }
+}
+
+TEST(ScanAligner, FindsHowFarAScanIsRolled) {
+  for (const double roll_rad : {0.02, -0.02, 0.03, -0.03}) {
+    const ScanMove move = ScanScene({.roll_rad = roll_rad}).Estimate();
+    EXPECT_TRUE(move.is_off) << roll_rad;
+    EXPECT_NEAR(move.roll_rad, -roll_rad, 0.006);  // 2 px at half the width
+    EXPECT_NEAR(move.du_px, 0, 1);
+    EXPECT_NEAR(move.dv_px, 0, 1);
     EXPECT_EQ(move.nearer_m, 0);
   }
 }
@@ -147,6 +164,12 @@ TEST(ApplyMove, TakesBackWhatAScanIsOffBy) {
   EXPECT_NEAR(points[0].seed.u, expected.u + 2, 0.02);
   EXPECT_NEAR(points[0].seed.v, expected.v - 3, 0.02);
   EXPECT_NEAR(points[0].seed.disparity(), expected.disparity(), 0.02);
+  // About the middle of the left image, clockwise.
+  points = {point};
+  ApplyMove({.roll_rad = 0.01}, scene.rig, points);
+  EXPECT_NEAR(points[0].seed.u, point.seed.u - 0.01 * (point.seed.v - scene.rig.pair.cy), 0.01);
+  EXPECT_NEAR(points[0].seed.v, point.seed.v + 0.01 * (point.seed.u - scene.rig.pair.cx), 0.01);
+  EXPECT_NEAR(points[0].seed.disparity(), point.seed.disparity(), 0.01);
   // Behind the cameras nothing can be seen.
   points = {point};
   ApplyMove({.nearer_m = 3}, scene.rig, points);
@@ -158,6 +181,8 @@ TEST(ScanMoveText, SaysWhatWasDoneAndWhatItMeans) {
       ScanMoveText({.du_px = 2, .dv_px = -3}),
       "the lidar's points fit the pair when moved by (+2, -3) px in the left image, and were: "
       "it is turned, or it measures at another moment");
+  EXPECT_THAT(ScanMoveText({.du_px = 2, .dv_px = -3, .roll_rad = 0.0175}),
+              HasSubstr("(+2, -3) px in the left image and rolled by +1.00°, and were: it is"));
   EXPECT_THAT(ScanMoveText({.du_px = 0, .dv_px = 1, .nearer_m = 0.74}),
               HasSubstr("by (+0, +1) px in the left image and 0.74 m nearer, and were: it measures "
                         "at another moment"));
