@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -27,6 +29,9 @@ struct PairRules {
   static constexpr double kMaxRowsPx = 1;
   static constexpr double kMaxParallaxPx = 1;
   static constexpr double kSureBent = 4;  ///< standard deviations
+  /// The same of columns that another scale moves; in good pairs these lie at most 0.4 px above it.
+  static constexpr double kSureScale = 4;
+  static constexpr double kSides = 0.375;  ///< of the width: from its middle to the outermost cells
   /// Parallax that row errors may cause, as a share of the largest of them: (1) is a pitch's and a
   /// roll's first order only.
   static constexpr double kParallaxOfRows = 0.1;
@@ -198,26 +203,51 @@ bool RowsAreBent(const PairModel& model) {
          PairRules::kMaxRowsPx;
 }
 
-Finding JudgeRows(const PairModel& model) {
+// By how much columns at the sides are off: what is larger in one image is so in both directions,
+// and of its scale rows alone tell. Nothing where that is not sure, or less than rows are off.
+std::optional<Estimate> ColumnsOff(const PairModel& model, int width) {
+  const double from_middle_px = PairRules::kSides * width;
+  const double off_px = std::abs(model.stretch.value) * from_middle_px;
+  const double sigma_px = model.stretch.sigma * from_middle_px;
+  const double most = std::max(PairRules::kMaxRowsPx, std::abs(model.worst_px.value));
+  if (off_px - PairRules::kSureScale * sigma_px <= most) return {};
+  return Estimate{off_px, sigma_px};
+}
+
+Finding JudgeRows(const PairModel& model, int width) {
   Finding finding{
       .question = Question::kRows, .value = model.worst_px.value, .sigma = model.worst_px.sigma};
   const double off = std::abs(finding.value);
-  if (off - finding.sigma > PairRules::kMaxRowsPx) {
+  const bool are_off = off - finding.sigma > PairRules::kMaxRowsPx;
+  const auto say_bad = [&](const Estimate& estimate, std::string text) {
     finding.verdict = Verdict::kBad;
-    finding.text = fmt::format(
-        "rows of the right image lie {:+.2f} ± {:.2f} px off those of the left one in the middle, "
-        "up to {:+.2f} px elsewhere (roll {:+.2f}°; {} px are allowed): rectify the pair, or "
-        "correct the rig with sprout-calibrate refine",
-        model.middle_px.value, model.middle_px.sigma, finding.value,
-        model.roll_rad * 180 / std::numbers::pi, PairRules::kMaxRowsPx);
-  } else if (RowsAreBent(model)) {
-    finding.verdict = Verdict::kBad;
-    finding.value = model.bent_px.value;
-    finding.sigma = model.bent_px.sigma;
-    finding.text = fmt::format(
-        "rows of the right image are bent against those of the left one, by up to {:+.2f} ± "
-        "{:.2f} px ({} are allowed): rectify the pair, with the distortion of its lenses",
-        finding.value, finding.sigma, PairRules::kMaxRowsPx);
+    finding.value = estimate.value;
+    finding.sigma = estimate.sigma;
+    finding.text = std::move(text);
+  };
+  if (!are_off && RowsAreBent(model)) {
+    say_bad(model.bent_px,
+            fmt::format(
+                "rows of the right image are bent against those of the left one, by up to {:+.2f} "
+                "± {:.2f} px ({} are allowed): rectify the pair, with the distortion of its lenses",
+                model.bent_px.value, model.bent_px.sigma, PairRules::kMaxRowsPx));
+  } else if (const std::optional<Estimate> columns_px = ColumnsOff(model, width)) {
+    say_bad(*columns_px,
+            fmt::format(
+                "the right image shows things {:+.2f} ± {:.2f} % larger, so columns at its sides "
+                "are off by {:.1f} px ({} are allowed): give both images one focal length and "
+                "size, or rectify the pair",
+                100 * model.stretch.value, 100 * model.stretch.sigma, columns_px->value,
+                PairRules::kMaxRowsPx));
+  } else if (are_off) {
+    say_bad(
+        model.worst_px,
+        fmt::format(
+            "rows of the right image lie {:+.2f} ± {:.2f} px off those of the left one in the "
+            "middle, up to {:+.2f} px elsewhere (roll {:+.2f}°; {} px are allowed): rectify the "
+            "pair, or correct the rig with sprout-calibrate refine",
+            model.middle_px.value, model.middle_px.sigma, finding.value,
+            model.roll_rad * 180 / std::numbers::pi, PairRules::kMaxRowsPx));
   } else if (off + finding.sigma < PairRules::kMaxRowsPx) {
     finding.verdict = Verdict::kGood;
     finding.text = fmt::format("rows agree to {:+.2f} ± {:.2f} px", finding.value, finding.sigma);
@@ -283,7 +313,7 @@ Findings JudgePair(const cv::Mat1b& left, const cv::Mat1b& right, const Rectifie
   if (has_matches) {
     findings.push_back(JudgeTime(model));
     findings.push_back(JudgeSides(left, right, pair, model, ranges));
-    findings.push_back(JudgeRows(model));
+    findings.push_back(JudgeRows(model, left.cols));
   } else {
     for (const Question question : {Question::kTime, Question::kSides, Question::kRows}) {
       findings.push_back(CannotTell(question));

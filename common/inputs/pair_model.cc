@@ -193,6 +193,7 @@ PairModel FitPair(const Matches& matches, cv::Size size) {
   result.middle_px = RowsAt(rows, plane, size.width / 2.0, size.height / 2.0);
   result.worst_px = WorstRows(rows, plane, size);
   result.roll_rad = rows.model[1] / size.width;
+  result.stretch = {rows.model[2] / size.height, std::sqrt(rows.covariance(2, 2)) / size.height};
   if (near_model.size() >= ModelRules::kFewestOfBent) {
     const Terms bent(Form::kBent, size);
     result.bent_px = WorstRows(Solve(near_model, bent, start, least_scale), bent, size);

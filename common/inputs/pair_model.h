@@ -37,6 +37,8 @@ struct PairModel {
   /// By (3), where they are most; 0 and 0 of fewer than 80 matches.
   Estimate bent_px;
   double roll_rad = 0;  ///< of the right image, clockwise > 0
+  /// By (1): by which share of their height things are larger in the right image.
+  Estimate stretch;
   /// Root mean square over the inliers of what d · (e + g · y) adds to (1), and of its error.
   Estimate parallax_px;
 };

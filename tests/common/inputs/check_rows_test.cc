@@ -29,6 +29,17 @@ TEST(CheckRows, SeesARoll) {
             Question::kRows, "roll +0.7");
 }
 
+// Rows are off by 0.9 px only, columns by more.
+TEST(CheckRows, SeesWhatAnotherScaleDoesToColumns) {
+  for (const double scale : {1.006, 0.994}) {
+    const Parts parts = Moved({scale, 0, 320 * (1 - scale), 0, scale, 240 * (1 - scale)});
+    ExpectBad(parts, Question::kRows, scale > 1 ? "things +0.6" : "things -0.6");
+    const Finding finding = parts.Answer(Question::kRows);
+    EXPECT_NEAR(finding.value, 1.4, 0.15);
+    EXPECT_LT(finding.sigma, 0.1);
+  }
+}
+
 // Neither a shift, a roll nor another focal length: in the middle the rows agree.
 TEST(CheckRows, SeesARightCameraThatIsTurnedToTheLeft) {
   Parts parts = SceneOf();
