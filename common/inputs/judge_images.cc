@@ -3,7 +3,16 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <cstdlib>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/core/quantile.h"
 
 namespace sprout::inputs {
 namespace {
@@ -18,11 +27,29 @@ struct ImageRules {
   /// images, also in strongly compressed ones, 1 where all is noise, 0.97 (pale) to 25 in raw
   /// mosaics.
   static constexpr double kMosaic = 1.1;
+  /// The same down a column: 0.55 to 0.76, with noise up to 1; of fields of two moments that lie
+  /// 10 px aside 1.37 to 3.6.
+  static constexpr double kFields = 1.1;
+  /// A row that differs from the next one so many times as much as around it may begin a tear.
+  static constexpr double kTornFromRest = 2;
+  static constexpr double kLeastStep = 1;  ///< grey levels, the least difference around it
+  static constexpr int kRowsAround = 8;
+  static constexpr size_t kTornTried = 8;  ///< rows
+  static constexpr int kLeastTornPx = 3;   ///< less: slanted edges
+  static constexpr int kMostTorn = 6;      ///< this part of the width
+  /// By which it differs less from the next row moved: 0.9 and more in images, 0.1 to 0.45 in most
+  /// torn ones.
+  static constexpr double kTornFits = 0.5;
+  /// The same anywhere else, where patterns repeat; it is no more in each part of the width.
+  static constexpr double kTornElsewhere = 0.7;
+  static constexpr int kParts = 4;
+  static constexpr int kEnoughColumns = 300;  ///< of a row, for its mean difference
 };
 
-// Every fourth row, without a copy.
-cv::Mat1b SomeRows(const cv::Mat1b& image) {
-  return {(image.rows + 3) / 4, image.cols, const_cast<uint8_t*>(image.data), 4 * image.step[0]};
+// Every fourth row from this one on, without a copy.
+cv::Mat1b SomeRows(const cv::Mat1b& image, int first = 0) {
+  return {(image.rows - first + 3) / 4, image.cols, const_cast<uint8_t*>(image.ptr(first)),
+          4 * image.step[0]};
 }
 
 // Standard deviation of the grey values.
@@ -46,6 +73,124 @@ double MosaicOf(const cv::Mat1b& image) {
   const double next = cv::norm(first, rows.colRange(1, rows.cols - 1), cv::NORM_L1);
   const double second = cv::norm(first, rows.colRange(2, rows.cols), cv::NORM_L1);
   return next / std::max(1.0, second);
+}
+
+// The same of rows: of two fields every second row is of another moment.
+double FieldsOf(const cv::Mat1b& image) {
+  if (image.rows < 3) return 0;
+  const cv::Mat1b second = SomeRows(image, 2);
+  const cv::Mat1b first = SomeRows(image).rowRange(0, second.rows);
+  const cv::Mat1b next = SomeRows(image, 1).rowRange(0, second.rows);
+  return cv::norm(first, next, cv::NORM_L1) / std::max(1.0, cv::norm(first, second, cv::NORM_L1));
+}
+
+struct Tear {
+  int row = 0;      // the first one below it
+  int columns = 0;  // that what is below lies further right
+};
+
+// Columns that are inside so far aside, too.
+cv::Range ColumnsAside(const cv::Mat1b& image, int aside) {
+  return {std::max(0, -aside), image.cols - std::max(0, aside)};
+}
+
+// Mean difference of columns of a row from those of the next one that lie `aside` further right.
+double StepAside(const cv::Mat1b& image, int y, const cv::Range& columns, int aside) {
+  const uint8_t* above = image.ptr(y);
+  const uint8_t* below = image.ptr(y + 1) + aside;
+  const int every = std::max(1, columns.size() / ImageRules::kEnoughColumns);
+  int sum = 0;
+  int count = 0;
+  for (int x = columns.start; x < columns.end; x += every, ++count) {
+    sum += std::abs(above[x] - below[x]);
+  }
+  return static_cast<double>(sum) / std::max(1, count);
+}
+
+// Mean differences of each row and the next one, grey levels.
+std::vector<double> StepsOf(const cv::Mat1b& image) {
+  std::vector<double> steps;
+  for (int y = 0; y + 1 < image.rows; ++y) {
+    steps.push_back(StepAside(image, y, {0, image.cols}, 0));
+  }
+  return steps;
+}
+
+// Rows that differ most from the next one, against the rows around: {times, row}.
+std::vector<std::pair<double, int>> PerhapsTorn(const std::vector<double>& steps) {
+  std::vector<std::pair<double, int>> rows;
+  for (int y = ImageRules::kRowsAround; y < std::ssize(steps) - ImageRules::kRowsAround; ++y) {
+    const auto at = steps.begin() + y;
+    const double around =
+        Median(std::vector(at - ImageRules::kRowsAround, at + ImageRules::kRowsAround + 1));
+    const double times = steps[static_cast<size_t>(y)] / std::max(around, ImageRules::kLeastStep);
+    if (times > ImageRules::kTornFromRest) rows.emplace_back(times, y);
+  }
+  std::ranges::sort(rows, std::greater{});
+  rows.resize(std::min(rows.size(), ImageRules::kTornTried));
+  return rows;
+}
+
+// Whether the next row continues this one at one other place, all over the width.
+std::optional<Tear> TearBelow(const cv::Mat1b& image, int y, double step) {
+  const int most = image.cols / ImageRules::kMostTorn;
+  std::vector<double> steps;
+  for (int aside = -most; aside <= most; ++aside) {
+    steps.push_back(StepAside(image, y, ColumnsAside(image, aside), aside));
+  }
+  const auto best = std::ranges::min_element(steps);
+  const auto columns = static_cast<int>(best - steps.begin()) - most;
+  if (*best > ImageRules::kTornFits * step || std::abs(columns) < ImageRules::kLeastTornPx) {
+    return {};
+  }
+  for (int aside = -most; aside <= most; ++aside) {
+    if (2 * std::abs(aside - columns) > std::abs(columns) &&
+        steps[static_cast<size_t>(aside + most)] < ImageRules::kTornElsewhere * step) {
+      return {};
+    }
+  }
+  const cv::Range all = ColumnsAside(image, columns);
+  for (int part = 0; part < ImageRules::kParts; ++part) {
+    const cv::Range range(all.start + all.size() * part / ImageRules::kParts,
+                          all.start + all.size() * (part + 1) / ImageRules::kParts);
+    if (StepAside(image, y, range, columns) >
+        ImageRules::kTornElsewhere * StepAside(image, y, range, 0)) {
+      return {};
+    }
+  }
+  return Tear{y + 1, columns};
+}
+
+// Where an image continues aside: its lower part is of another moment, or bytes were lost.
+std::optional<Tear> FindTear(const cv::Mat1b& image) {
+  if (image.cols < 2 * ImageRules::kMostTorn) return {};
+  const std::vector<double> steps = StepsOf(image);
+  for (const auto& [times, row] : PerhapsTorn(steps)) {
+    if (auto tear = TearBelow(image, row, steps[static_cast<size_t>(row)])) return tear;
+  }
+  return {};
+}
+
+// Empty: none.
+std::string RowsThatDoNotJoin(const char* which, const cv::Mat1b& image) {
+  if (const double fields = FieldsOf(image); fields > ImageRules::kFields) {
+    return fmt::format(
+        "rows of the {} image differ {:.1f} times as much from the next as from the second next "
+        "one: is it interlaced? give pictures of one field",
+        which, fields);
+  }
+  if (const std::optional<Tear> tear = FindTear(image)) {
+    return fmt::format(
+        "the {} image is torn: from row {} on it goes on {} px further {}; is its lower part of "
+        "another moment, or was a part lost on its way?",
+        which, tear->row, std::abs(tear->columns), tear->columns > 0 ? "right" : "left");
+  }
+  return {};
+}
+
+std::string RowsThatDoNotJoin(const cv::Mat1b& left, const cv::Mat1b& right) {
+  std::string text = RowsThatDoNotJoin("left", left);
+  return text.empty() ? RowsThatDoNotJoin("right", right) : text;
 }
 
 }  // namespace
@@ -86,6 +231,9 @@ Finding JudgeBits(const cv::Mat1b& left, const cv::Mat1b& right) {
         "images behind a colour filter (Bayer)? demosaic them, or give their format its name, such "
         "as bayer_rggb8",
         mosaic);
+  } else if (std::string text = RowsThatDoNotJoin(left, right); !text.empty()) {
+    finding.verdict = Verdict::kBad;
+    finding.text = std::move(text);
   } else {
     finding.verdict = Verdict::kGood;
     finding.text =

@@ -11,7 +11,7 @@ inline constexpr double kBlankContrast = 1.5;
 
 /// Answers Question::kBits by each image alone.
 /// @param left, right  grey, of one size.
-/// O(pixels / 4), one thread.
+/// O(pixels), 0.1 to 2.4 ms; one thread.
 Finding JudgeBits(const cv::Mat1b& left, const cv::Mat1b& right);
 
 }  // namespace sprout::inputs

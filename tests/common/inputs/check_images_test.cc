@@ -1,0 +1,64 @@
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstdint>
+#include <opencv2/imgproc.hpp>
+#include <string>
+
+#include "tests/common/inputs/parts.h"
+
+namespace sprout::inputs {
+namespace {
+
+// The image as it looks `columns` px further right, repeated at the border.
+cv::Mat1b Aside(const cv::Mat1b& image, double columns) {
+  cv::Mat1b moved;
+  cv::warpAffine(image, moved, cv::Matx23d(1, 0, columns, 0, 1, 0), image.size(), cv::INTER_NEAREST,
+                 cv::BORDER_REFLECT);
+  return moved;
+}
+
+TEST(CheckImages, SaysThatAnImageHasFieldsOfTwoMoments) {
+  for (const bool in_right : {false, true}) {
+    Parts parts = SceneOf();
+    cv::Mat1b& image = in_right ? parts.right : parts.left;
+    const cv::Mat1b moved = Aside(image, 8);
+    for (int y = 1; y < image.rows; y += 2) moved.row(y).copyTo(image.row(y));
+    ExpectBad(parts, Question::kBits, in_right ? "rows of the right" : "rows of the left");
+    ExpectBad(parts, Question::kBits, "interlaced");
+  }
+}
+
+TEST(CheckImages, SaysWhereAnImageIsTorn) {
+  for (const int columns : {-40, 12}) {
+    Parts parts = SceneOf();
+    const cv::Mat1b moved = Aside(parts.right, columns);
+    moved.rowRange(200, moved.rows).copyTo(parts.right.rowRange(200, moved.rows));
+    ExpectBad(parts, Question::kBits,
+              "from row 200 on it goes on " + std::to_string(std::abs(columns)) + " px further " +
+                  (columns > 0 ? "right" : "left"));
+  }
+}
+
+// Rows of other squares, and one thing before a blank wall, are no tears.
+TEST(CheckImages, TakesPatternsAndEdgesForWhole) {
+  Parts parts = SceneOf();
+  for (cv::Mat1b* image : {&parts.left, &parts.right}) {
+    cv::RNG(1).fill(*image, cv::RNG::NORMAL, 100, 3);
+    for (int y = 0; y < image->rows; ++y) {
+      for (int x = 0; x < image->cols; ++x) {
+        if ((x / 40 + y / 40) % 2 == 0) (*image)(y, x) += 80;
+      }
+    }
+  }
+  EXPECT_EQ(parts.Answer(Question::kBits).verdict, Verdict::kGood);
+  for (cv::Mat1b* image : {&parts.left, &parts.right}) {
+    cv::RNG(1).fill(*image, cv::RNG::NORMAL, 100, 3);
+    (*image)(cv::Rect(200, 100, 60, 200)) += 100;
+    (*image)(cv::Rect(260, 300, 60, 180)) += 100;
+  }
+  EXPECT_EQ(parts.Answer(Question::kBits).verdict, Verdict::kGood);
+}
+
+}  // namespace
+}  // namespace sprout::inputs
