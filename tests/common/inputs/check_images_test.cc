@@ -40,6 +40,20 @@ TEST(CheckImages, SaysWhereAnImageIsTorn) {
   }
 }
 
+// No corner of one image is in the other any more.
+TEST(CheckImages, SaysWhichImageIsTooBlurredToShowCorners) {
+  for (const bool in_right : {false, true}) {
+    Parts parts = SceneOf();
+    cv::Mat1b& image = in_right ? parts.right : parts.left;
+    cv::GaussianBlur(image, image, {}, 10);
+    ASSERT_EQ(parts.Answer(Question::kScene).verdict, Verdict::kCannotTell);
+    ExpectBad(parts, Question::kContrast, in_right ? "right image is blurred" : "left image is");
+  }
+  Parts parts = SceneOf();
+  for (cv::Mat1b* image : {&parts.left, &parts.right}) cv::GaussianBlur(*image, *image, {}, 10);
+  EXPECT_NE(parts.Answer(Question::kContrast).verdict, Verdict::kBad);
+}
+
 // Rows of other squares, and one thing before a blank wall, are no tears.
 TEST(CheckImages, TakesPatternsAndEdgesForWhole) {
   Parts parts = SceneOf();
