@@ -10,6 +10,9 @@
 namespace sprout::refine {
 namespace {
 
+// Disparities are claimed to be right within so much.
+constexpr double kSurelyOffPx = 1;
+
 std::string NoSeedsText(const SeedSet& seeds, bool stereo_seeds) {
   const std::string text = seeds.raw == 0
                                ? "no ToF point has a return"
@@ -99,6 +102,13 @@ std::string DegenerateText(const RefineFindings& found, const SeedSet& seeds, bo
                                     "can be: none is believed; are their unit, the focal length "
                                     "and the baseline right?",
                                     absurd->error_m, absurd->depth_m));
+  }
+  if (std::abs(found.range_error.same_px) >= kSurelyOffPx) {
+    text =
+        Joined(text, fmt::format("range sensor and pair differ by about {:+.1f} px at all depths, "
+                                 "as where the right camera is turned: one frame cannot tell "
+                                 "which of them is wrong, and the images were believed",
+                                 found.range_error.same_px));
   }
   if (!found.are_noise) return text;
   return Joined(text, fmt::format("{} of {} range points differ from all around them, as noise "

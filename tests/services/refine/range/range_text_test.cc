@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "services/refine/findings.h"
 #include "services/refine/range/range_bias.h"
 
 namespace sprout::refine {
@@ -33,6 +34,21 @@ TEST(RangeText, NamesThePairWhereAllIsOffByTheSamePx) {
             "2.40 m, about +2.0 px at all depths, as if not the sensor but the right camera of the "
             "pair were turned; 100 % of its points were moved by more than 0.25 px. If that stays "
             "so: sprout-calibrate refine");
+}
+
+TEST(RangeText, DoubtsWhatIsOffByAPxAtAllDepths) {
+  SeedSet seeds;
+  seeds.seeds.resize(1);
+  const auto text = [&](double px) {
+    RefineFindings found;
+    found.range_error.same_px = px;
+    return DegenerateText(found, seeds, /*stereo_seeds=*/true);
+  };
+  EXPECT_EQ(text(0.9), "");
+  EXPECT_EQ(text(-2.04),
+            "range sensor and pair differ by about -2.0 px at all depths, as where the right "
+            "camera is turned: one frame cannot tell which of them is wrong, and the images were "
+            "believed");
 }
 
 TEST(RangeText, SaysEachDepthOnceAndTheSurestIfNoneIsSure) {
