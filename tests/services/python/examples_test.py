@@ -8,7 +8,7 @@ from typing import Any
 import numpy
 
 import sprout
-from frames import BIN, SAMPLE, SOURCE, FolderTest, compute, environment
+from frames import BIN, SAMPLE, SOURCE, FolderTest, environment
 
 EXAMPLES = SOURCE / "services" / "python" / "examples"
 ISOLATE = SOURCE / "tests" / "system" / "in_private_network"
@@ -56,18 +56,16 @@ class ExamplesTest(FolderTest):
         self.assertGreater(float(said.split("correct_le1=")[1].split()[0]), 90)
 
     def test_data_set_says_what_both_cameras_see(self) -> None:
-        with tempfile.TemporaryDirectory() as name:
-            folder = pathlib.Path(name)
-            middlebury(folder)
-            self.assertIsNone(sprout.Dataset(f"middlebury:{name}")[0].nonoccluded)
-            (folder / "disp0.pfm").rename(folder / "disp0GT.pfm")  # the layout of the evaluation
-            mask = numpy.zeros((240, 320), numpy.uint8)
-            mask[40:80, 60:200] = 255
-            write_pnm(folder / "mask0nocc.png", mask)
-            scene = sprout.Dataset(f"middlebury:{name}")[0]
-            numpy.testing.assert_array_equal(scene.nonoccluded, mask)
-            score = sprout.evaluate(scene.truth, scene.truth, scene.right_truth, scene.nonoccluded)
-            self.assertEqual(score.scored, numpy.isfinite(scene.truth[mask == 255]).sum())
+        middlebury(self.folder)
+        self.assertIsNone(sprout.Dataset(f"middlebury:{self.folder}")[0].nonoccluded)
+        (self.folder / "disp0.pfm").rename(self.folder / "disp0GT.pfm")  # the layout of the evaluation
+        mask = numpy.zeros((240, 320), numpy.uint8)
+        mask[40:80, 60:200] = 255
+        write_pnm(self.folder / "mask0nocc.png", mask)
+        scene = sprout.Dataset(f"middlebury:{self.folder}")[0]
+        numpy.testing.assert_array_equal(scene.nonoccluded, mask)
+        score = sprout.evaluate(scene.truth, scene.truth, scene.right_truth, scene.nonoccluded)
+        self.assertEqual(score.scored, numpy.isfinite(scene.truth[mask == 255]).sum())
 
     def test_log_to_npz(self) -> None:
         archive = self.folder / "run.npz"

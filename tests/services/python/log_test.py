@@ -8,7 +8,7 @@ import unittest
 import numpy
 
 import sprout
-from frames import SAMPLE, FolderTest, compute, events, run, same, write_log
+from frames import SAMPLE, FolderTest, events, run, same, write_log
 
 
 def recorded(folder: pathlib.Path, copies: int) -> pathlib.Path:

@@ -1,13 +1,12 @@
 import inspect
 import pathlib
-import pickle
 import pydoc
 import re
 import subprocess
 import unittest
 
 import sprout
-from frames import BIN, SAMPLE, compute, run, synthetic
+from frames import SAMPLE, compute, run, synthetic
 
 
 class ModuleTest(unittest.TestCase):
