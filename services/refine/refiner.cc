@@ -168,6 +168,7 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
   found_.range_error = range_.Apply(
       InputOf(left, right, rig),
       {.field = config_.range_bias() == RefineConfig::FIELD,
+       .errs = bool{found_.fattening},
        .error_m = config_.range_error_m(),
        .matches = [&] { return stereo_.Find(left, right, {}, {}, 0, zones_.most_px()); }},
       points_);

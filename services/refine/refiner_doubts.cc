@@ -19,7 +19,7 @@ bool Refiner::IsDoubtful(int columns) const {
   const auto most_px = static_cast<float>(stereo_.MostDisparityPx(columns));
   const auto near = std::ranges::count_if(
       points_, [&](const ProjectedPoint& point) { return point.seed.disparity() > most_px; });
-  return found_.range_error.contradicted_share > RangeRules::kDoubtfulShare ||
+  return found_.fattening || found_.range_error.contradicted_share > RangeRules::kDoubtfulShare ||
          found_.range_error.far_from_curve_share > RangeRules::kDoubtfulMoves ||
          static_cast<double>(near) > RangeRules::kNearShare * static_cast<double>(points_.size());
 }
@@ -53,15 +53,17 @@ bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const T
   const bool differs = !FindContradicted(left, right, points, coarse, coarse_px).points.empty();
   const bool may_be_displaced =
       FindSensorPlace(points, coarse, coarse_px, RangeRules::kFirstLook).is_displaced;
-  const bool moves = found_.range_error.far_from_curve_share > RangeRules::kDoubtfulMoves;
-  if (!differs && !may_be_displaced && !moves) return false;
+  const bool errs =
+      found_.fattening || found_.range_error.far_from_curve_share > RangeRules::kDoubtfulMoves;
+  if (!differs && !may_be_displaced && !errs) return false;
   const std::span<const Seed> matches = stereo_.Find(left, right, {}, {}, 0, zones_.most_px());
   if (PairShiftsRows(points, matches)) return false;
   found_.sensor_place = FindSensorPlace(points, matches, RangeRules::kAgreePx);
-  if ((differs || moves) && !found_.sensor_place.is_displaced) {
+  if ((differs || errs) && !found_.sensor_place.is_displaced) {
     const CellGrid cells(stereo_.SpacingPx(left.cols), left.size());
-    found_.contradiction = FindContradicted(left, right, points, matches, RangeRules::kAgreePx,
-                                            moves ? &cells : nullptr);
+    found_.contradiction =
+        FindContradicted(left, right, points, matches, RangeRules::kAgreePx,
+                         errs ? &cells : nullptr, found_.fattening ? 1 : RangeRules::kUnexplained);
   }
   const auto is_contradicted = [](uint8_t is) { return is != 0; };
   return found_.sensor_place.is_displaced ||

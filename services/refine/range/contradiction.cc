@@ -191,7 +191,8 @@ std::vector<MatchVotes> VotesAround(const PlacedPoints& points, std::span<const 
 
 Contradiction FindContradicted(const cv::Mat1b& left, const cv::Mat1b& right,
                                const PlacedPoints& points, std::span<const Seed> matches,
-                               double agree_px, const CellGrid* cells_of_matches) {
+                               double agree_px, const CellGrid* cells_of_matches,
+                               double unexplained) {
   const std::vector<MatchVotes> votes =
       VotesOf(left, right, points, matches, agree_px, cells_of_matches);
   MatchVotes sum;
@@ -200,7 +201,7 @@ Contradiction FindContradicted(const cv::Mat1b& left, const cv::Mat1b& right,
   if (sum.none()) return found;
   found.share = sum.against / (sum.agreeing + sum.against);
   const bool differs = found.share > RangeRules::kDifferingShare;
-  const bool claims_too_little = sum.off_px2 > RangeRules::kUnexplained * sum.claimed_px2;
+  const bool claims_too_little = sum.off_px2 > unexplained * sum.claimed_px2;
   if (!differs && !claims_too_little) return found;
   for (const MatchVotes& here : VotesAround(points, votes)) {
     const double count = here.agreeing + here.against;

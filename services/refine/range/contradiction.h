@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "services/refine/range/range_rules.h"
 #include "services/refine/range/sensor_place.h"
 #include "services/refine/stereo/point_surface.h"
 
@@ -28,10 +29,12 @@ struct Contradiction {
 /// @param matches, agree_px  as for FindSensorPlace().
 /// @param cells_of_matches   null, or the cells that `matches` were looked for in, one each: then
 ///                           the errors of the points are asked, too.
+/// @param unexplained  from how many times the squares that both claim on these are told, eq. (B4).
 /// O(points + matches). No I/O; one thread; the same on every machine.
 Contradiction FindContradicted(const cv::Mat1b& left, const cv::Mat1b& right,
                                const PlacedPoints& points, std::span<const Seed> matches,
-                               double agree_px, const CellGrid* cells_of_matches = nullptr);
+                               double agree_px, const CellGrid* cells_of_matches = nullptr,
+                               double unexplained = RangeRules::kUnexplained);
 
 /// Share of a scan's points that stereo contradicts, of those that a match lies beside: none of the
 /// matches within `reach_px` agrees, and at the point's own place the images prefer the disparity

@@ -285,7 +285,8 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
     nodes_.Link();
     start_px_.clear();
     for (const RangeNode& node : nodes) start_px_.push_back(curve_.OffsetPx(pair, node.disparity));
-    field_.Estimate(nodes_, start_px_, has_slopes);
+    const double least_share = settings.errs ? 0 : RangeRules::kMovedShare;
+    field_.Estimate(nodes_, start_px_, has_slopes ? least_share : 1);
     error_.contradicted_share = JudgeNodes();
     if (JudgePair(input, settings, points)) {
       contradicted_.assign(points.size(), error_.rejected ? 1 : 0);

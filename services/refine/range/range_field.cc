@@ -239,10 +239,10 @@ void RangeField::Judge(const RangeNodes& nodes, std::span<const double> start_px
   });
 }
 
-void RangeField::FindOffsets(const RangeNodes& nodes) {
+void RangeField::FindOffsets(const RangeNodes& nodes, double least_share) {
   Optimise(nodes, RangeRules::kFieldMoved);
   proved_ = KeepProved(nodes);
-  if (proved_.share <= RangeRules::kMovedShare) return;
+  if (proved_.share <= least_share) return;
   OptimiseAgain(nodes);
   Choose();
   Relax(nodes);
@@ -257,12 +257,13 @@ void RangeField::OptimiseAgain(const RangeNodes& nodes) {
   Optimise(nodes, std::clamp(price, RangeRules::kMinMoved, RangeRules::kFieldMoved));
 }
 
-void RangeField::Estimate(const RangeNodes& nodes, std::span<const double> start_px, bool moves) {
+void RangeField::Estimate(const RangeNodes& nodes, std::span<const double> start_px,
+                          double least_share) {
   offsets_.assign(nodes.nodes().size(), {});
   variance_px2_ = 0;
-  if (moves) {
+  if (least_share < 1) {
     SetCosts(nodes, start_px);
-    FindOffsets(nodes);
+    FindOffsets(nodes, least_share);
   }
   Judge(nodes, start_px);
 }

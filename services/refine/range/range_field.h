@@ -21,9 +21,10 @@ struct NodeOffset {
 class RangeField {
  public:
   /// @param start_px  of each node, what its disparity is moved by before.
-  /// @param moves     whether offsets are searched; otherwise all are 0, and nodes are only judged.
+  /// @param least_share  of the texture; nothing is moved unless offsets are proved at more of it.
+  ///                     1: none are searched, nodes are only judged.
   /// O(nodes · labels); no I/O; on OpenCV's threads, with the same result for any number.
-  void Estimate(const RangeNodes& nodes, std::span<const double> start_px, bool moves);
+  void Estimate(const RangeNodes& nodes, std::span<const double> start_px, double least_share);
 
   /// Looks again: offsets up to half a px are changed only where the first look was from afar.
   /// @param nodes  moved by start_px and the offsets, RangeNodes::Move().
@@ -38,7 +39,7 @@ class RangeField {
  private:
   void SetCosts(const RangeNodes& nodes, std::span<const double> start_px);
   void Sum(const RangeNodes& nodes);
-  void FindOffsets(const RangeNodes& nodes);
+  void FindOffsets(const RangeNodes& nodes, double least_share);
   void OptimiseAgain(const RangeNodes& nodes);
   void SetSlopes(const RangeNodes& nodes);
   void Optimise(const RangeNodes& nodes, float moved);

@@ -86,8 +86,9 @@ struct RangeRules {
   /// An offset is proved where so many nodes side by side cost so much less there.
   static constexpr float kProvedGain = 0.15F;
   static constexpr size_t kProvedNodes = 6;
-  /// If fewer nodes than this share are proved, nothing is: right sensors have up to 0.039 (Books,
-  /// whose truth itself is off in places), bumps of 1.5 px 0.057 and more.
+  /// If fewer nodes than this share are proved, nothing is, but of a sensor whose edges show that
+  /// it is wrong: right sensors have up to 0.039 (Books, whose truth itself is off in places),
+  /// bumps of 1.5 px 0.057 and more.
   static constexpr double kMovedShare = 0.045;
   /// Where offsets reach so many px the images are compared again there, so many times at most: two
   /// times are worth 1.9 points with bumps of 6 px, the third 0.1. From 1 px on, what is nearer

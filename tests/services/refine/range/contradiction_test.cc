@@ -40,8 +40,8 @@ struct FlatScene {
 
   // @param known  where there are matches.
   // @param cells  null: it is not asked how far the points are off.
-  Contradiction Find(const cv::Rect& known, double disparity = 20,
-                     const CellGrid* cells = nullptr) const {
+  Contradiction Find(const cv::Rect& known, double disparity = 20, const CellGrid* cells = nullptr,
+                     double unexplained = RangeRules::kUnexplained) const {
     std::vector<Seed> matches;
     for (int v = 4; v < kPicture.height - 4; v += 8) {
       for (int u = 44; u < kPicture.width - 4; u += 8) {
@@ -50,7 +50,8 @@ struct FlatScene {
         matches.back().sigma_px = 0.25F;
       }
     }
-    return FindContradicted(left, right, {points, points, {5, 5}, kPicture}, matches, 2, cells);
+    return FindContradicted(left, right, {points, points, {5, 5}, kPicture}, matches, 2, cells,
+                            unexplained);
   }
 };
 
@@ -92,8 +93,9 @@ TEST(Contradiction, TellsWhatPointsAreOffByWhereTheyClaimTooLittle) {
       ASSERT_EQ(found.sigma_px[i], 0) << pixel;
     }
   }
-  for (ProjectedPoint& point : wall.points) point.seed.sigma_px = 1.5F;
+  for (ProjectedPoint& point : wall.points) point.seed.sigma_px = 0.75F;
   EXPECT_TRUE(wall.Find(all, 20, &cells).sigma_px.empty());
+  EXPECT_FALSE(wall.Find(all, 20, &cells, /*unexplained=*/1).sigma_px.empty());
 }
 
 // Where nothing is to be seen, stereo may be wrong as well.

@@ -47,6 +47,29 @@ TEST(FattenedEdges, AreNoneOfARightSensor) {
   EXPECT_FALSE(fattening);
 }
 
+// A patch of so few points would be believed of a sensor whose edges are right.
+TEST(FattenedEdges, ShowThatPatchesMayBeWrongAsWell) {
+  for (const int side : {1, 5}) {
+    BoxScene scene;
+    cv::erode(scene.tof.depth_m, scene.tof.depth_m, cv::Mat1b::ones(side, side));
+    cv::Mat1f patch = scene.tof.depth_m({64, 44, 11, 11});
+    for (float& depth_m : patch) {
+      const RectifiedPair& pair = scene.rig.pair;
+      depth_m =
+          static_cast<float>(pair.DepthFromDisparity(pair.DisparityFromDepth(double{depth_m}) - 3));
+    }
+    Refiner refiner{RefineConfig()};
+    ASSERT_TRUE(refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig)));
+    const double patch_share = static_cast<double>(patch.total()) / (80 * 60);
+    const double moved = refiner.found().range_error.far_from_curve_share;
+    if (side == 1) {
+      EXPECT_EQ(moved, 0);
+    } else {
+      EXPECT_NEAR(moved, patch_share, patch_share / 2);
+    }
+  }
+}
+
 TEST(FattenedEdges, AreNotBelievedOfImagesThatFitNothing) {
   BoxScene scene;
   cv::flip(scene.right, scene.right, 1);
