@@ -148,16 +148,17 @@ bool RangeBias::MatchesElsewhere(const RangeInput& input, std::span<const Seed> 
     }
   }
   size_t contradicted = 0, elsewhere = 0;
-  // A lidar's nodes seldom lie side by side.
-  const std::vector<uint8_t>& wrong = input.surface.has_pixels() ? wrong_nodes_ : unlike_nodes_;
-  for (size_t i = 0; i < wrong.size(); ++i) {
-    if (wrong[i] == 0) continue;
+  for (size_t i = 0; i < unlike_nodes_.size(); ++i) {
+    if (unlike_nodes_[i] == 0) continue;
     const cv::Point2d& at = nodes_.nodes()[i].at;
     ++contradicted;
     elsewhere += matched(grid.At(at.y), grid.At(at.x));
   }
+  const double part = error_.contradicted_share > RangeRules::kRejectedShare
+                          ? std::min(1.0, error_.contradicted_share / RangeRules::kManyContradicted)
+                          : 1;
   return static_cast<double>(elsewhere) >
-         RangeRules::kMatchedShare * static_cast<double>(contradicted);
+         RangeRules::kMatchedShare * part * static_cast<double>(contradicted);
 }
 
 // Whether nothing can be estimated, since too much is wrong with the points or with the pair. Right

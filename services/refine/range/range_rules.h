@@ -130,6 +130,11 @@ struct RangeRules {
   /// at 0.30 and less (dull scenes up to 0.48) where the images are a few rows off, turned,
   /// striped, negative, of different focus or of different scenes.
   static constexpr double kMatchedShare = 0.4;
+  /// Where a smaller share of the nodes, but too many, are contradicted the images fit at the
+  /// others, and the share that is asked falls in proportion: in a dull scene 0.27 and more match
+  /// elsewhere of 0.22 to 0.28 that are contradicted, beside images of different focus 0.08 and
+  /// less.
+  static constexpr double kManyContradicted = 0.5;
   static constexpr double kMatchReach = 0.01;
   /// Of frames with less signs of a wrong sensor it is asked, too, if nodes cost more than this in
   /// the mean: wrong sensors have up to 0.31, a blurred or covered camera 0.32 to 0.68.

@@ -209,6 +209,39 @@ TEST(RangeBias, BelievesASensorThatTheImagesContradictNoMoreThanEachOther) {
   }
 }
 
+// Of a sensor that wraps beyond some column: whether all of it is refused, or the pair at fault,
+// where stereo matches in the upper third of the picture alone.
+RangeError WithFewMatches(int wraps_from) {
+  Wall wall;
+  wall.Measure([&](const cv::Point2d& at, double depth_m) {
+    return at.x < wraps_from ? depth_m : 0.5 * depth_m;
+  });
+  std::vector<Seed> matches;
+  for (int v = 4; v < 0.35 * kWallSize.height; v += 5) {
+    for (int u = 45; u < kWallSize.width - 5; u += 5) {
+      const auto right = static_cast<float>(u - TruthPx(u));
+      matches.push_back({.u = static_cast<float>(u), .v = static_cast<float>(v), .u_right = right});
+    }
+  }
+  int behind = 0;
+  std::vector<ProjectedPoint> points = TofProjector(wall.rig).Project(wall.tof, behind);
+  const TofSurface surface(wall.rig, points);
+  return RangeBias().Apply(
+      {.left = wall.left, .right = wall.right, .rig = wall.rig, .surface = surface},
+      {.matches = [&] { return std::span<const Seed>(matches); }}, points);
+}
+
+TEST(RangeBias, AsksForFewMatchesWhereImagesFitAtMostPoints) {
+  const RangeError few = WithFewMatches(350);
+  EXPECT_NEAR(few.contradicted_share, 0.35, 0.05);
+  EXPECT_TRUE(few.rejected);
+  EXPECT_FALSE(few.pair_unfit);
+  const RangeError many = WithFewMatches(150);
+  EXPECT_GT(many.contradicted_share, 0.5);
+  EXPECT_FALSE(many.rejected);
+  EXPECT_TRUE(many.pair_unfit);
+}
+
 // Its columns are off, too, by up to 1.2 px: no reason to move points after them, one by one.
 TEST(RangeBias, MovesAllPointsAlikeBesideAPairThatIsTurned) {
   Wall wall;
