@@ -19,7 +19,8 @@ bool Refiner::IsDoubtful(int columns) const {
   const auto most_px = static_cast<float>(stereo_.MostDisparityPx(columns));
   const auto near = std::ranges::count_if(
       points_, [&](const ProjectedPoint& point) { return point.seed.disparity() > most_px; });
-  return found_.fattening || found_.range_error.contradicted_share > RangeRules::kDoubtfulShare ||
+  return found_.fattening || found_.range_error.IsBeyondDataSheets() ||
+         found_.range_error.contradicted_share > RangeRules::kDoubtfulShare ||
          found_.range_error.far_from_curve_share > RangeRules::kDoubtfulMoves ||
          static_cast<double>(near) > RangeRules::kNearShare * static_cast<double>(points_.size());
 }

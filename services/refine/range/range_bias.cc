@@ -88,6 +88,12 @@ double SamePx(const RectifiedPair& pair, std::span<const RangeKnot> curve) {
 
 }  // namespace
 
+bool RangeError::IsBeyondDataSheets() const {
+  return !curve_is_zero && std::ranges::any_of(curve, [](const RangeKnot& knot) {
+    return std::abs(knot.error_m) > RangeRules::kDoubtfulOfDepth * knot.depth_m;
+  });
+}
+
 // Costs reach a few px to either side, on the slant as measured: what is far off is seen better
 // from where the first look puts it. Returns whether there was any.
 bool RangeBias::LookAgain(const RangeInput& input) {

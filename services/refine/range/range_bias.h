@@ -38,6 +38,8 @@ struct RangeError {
   std::optional<RangeKnot> absurd = std::nullopt;
 
   bool Refuses() const { return rejected || absurd; }
+  /// Whether the curve is farther from 0 than data sheets allow, by RangeRules::kDoubtfulOfDepth.
+  bool IsBeyondDataSheets() const;
 };
 
 /// What is estimated.

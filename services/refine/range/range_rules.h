@@ -172,6 +172,9 @@ struct RangeRules {
   /// displaced ones that do harm from 0.0297 on with few exceptions.
   static constexpr double kDoubtfulShare = 0.025;
   static constexpr double kDoubtfulMoves = 0.2;
+  /// Or where the curve is farther from 0 than this part of the depth: data sheets allow a part in
+  /// a hundred, and a slanted floor that lies some rows further down looks like such a curve.
+  static constexpr double kDoubtfulOfDepth = 0.02;
   /// Or where more points than this share are nearer than stereo looks for: a camera that wraps
   /// ranges gives 0.01 to 0.5 of them, in places where nodes show hardly anything.
   static constexpr double kNearShare = 0.025;

@@ -36,6 +36,14 @@ TEST(RangeText, NamesThePairWhereAllIsOffByTheSamePx) {
             "so: sprout-calibrate refine");
 }
 
+TEST(RangeText, IsBeyondDataSheetsFromTwoPercentOfTheDepthOn) {
+  RangeError error{.curve = {{1.2, 0.02, 0.001}, {3.0, -0.061, 0.002}}, .curve_is_zero = false};
+  EXPECT_TRUE(error.IsBeyondDataSheets());
+  error.curve.back().error_m = -0.059;
+  EXPECT_FALSE(error.IsBeyondDataSheets());
+  EXPECT_FALSE(RangeError().IsBeyondDataSheets());
+}
+
 TEST(RangeText, DoubtsWhatIsOffByAPxAtAllDepths) {
   SeedSet seeds;
   seeds.seeds.resize(1);
