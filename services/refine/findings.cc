@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/inputs/judge_ranges.h"
+#include "services/refine/range/range_rules.h"
 
 namespace sprout::refine {
 namespace {
@@ -59,7 +60,7 @@ std::string PlaceText(const SensorPlace& place) {
       where, 100 * place.agree_moved, 100 * place.agree_as_is);
 }
 
-// Why all range points are refused, or the images say nothing of them.
+// Why all range points are refused, or should be, or the images say nothing of them.
 std::string RefusalText(const RefineFindings& found) {
   const RangeError& error = found.range_error;
   if (found.sensor_place.is_displaced) return PlaceText(found.sensor_place);
@@ -80,6 +81,12 @@ std::string RefusalText(const RefineFindings& found) {
     return "each row of the right image fits the range points in columns of its own, so the "
            "images contradict none of them: are its rows exposed one after the other, or is a "
            "part of it of another moment?";
+  }
+  if (!error.pair_unfit && error.contradicted_share > RangeRules::kRejectedShare) {
+    return fmt::format(
+        "the images contradict the range points in {} % of the places where they could show it; "
+        "all are believed, since range_bias is not FIELD",
+        std::lround(100 * error.contradicted_share));
   }
   if (error.pair_unfit) {
     return "the images fit neither the range points nor each other, so they say nothing of the "

@@ -288,13 +288,13 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
     contradicted_.assign(points.size(), 1);
     return error_;
   }
+  nodes_.Link();
+  start_px_.clear();
+  for (const RangeNode& node : nodes) start_px_.push_back(curve_.OffsetPx(pair, node.disparity));
+  const double least_share = settings.errs ? 0 : RangeRules::kMovedShare;
+  field_.Estimate(nodes_, start_px_, settings.field && has_slopes ? least_share : 1);
+  error_.contradicted_share = JudgeNodes();
   if (settings.field) {
-    nodes_.Link();
-    start_px_.clear();
-    for (const RangeNode& node : nodes) start_px_.push_back(curve_.OffsetPx(pair, node.disparity));
-    const double least_share = settings.errs ? 0 : RangeRules::kMovedShare;
-    field_.Estimate(nodes_, start_px_, has_slopes ? least_share : 1);
-    error_.contradicted_share = JudgeNodes();
     if (JudgePair(input, settings, points)) {
       contradicted_.assign(points.size(), error_.rejected ? 1 : 0);
       return error_;

@@ -44,7 +44,7 @@ struct RangeError {
 
 /// What is estimated.
 struct RangeSettings {
-  bool field = true;   ///< also what the scene adds, and which points are contradicted
+  bool field = true;   ///< also what the scene adds; and points that are contradicted are dropped
   bool errs = false;   ///< its edges show that the sensor is wrong: every proved offset counts
   double error_m = 0;  ///< systematic error by the data sheet, one standard deviation, m
   /// Matches of stereo that knows nothing of the points: asked where too many are contradicted.

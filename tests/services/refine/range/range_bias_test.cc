@@ -8,6 +8,7 @@
 #include <functional>
 #include <opencv2/imgproc.hpp>
 
+#include "services/refine/findings.h"
 #include "services/refine/refiner.h"
 #include "tests/services/refine/range/wall.h"
 
@@ -159,6 +160,24 @@ TEST(RangeBias, BelievesNoPointOfAMirroredImage) {
   const SeedSet set = wall.Refine(RefineConfig::FIELD);
   EXPECT_TRUE(set.seeds.empty());
   EXPECT_EQ(set.contradicted, set.raw - set.outside);
+}
+
+// With the curve alone, which does not look for what else they may be.
+TEST(RangeBias, SaysThatImagesContradictPointsThatItBelieves) {
+  Wall wall;
+  RefineConfig config;
+  config.set_range_bias(RefineConfig::CURVE);
+  config.set_stereo_seeds(false);
+  Refiner refiner(config);
+  const auto text = [&] {
+    const auto set = refiner.Compute(wall.left, wall.right, wall.tof, TofProjector(wall.rig));
+    EXPECT_GT(set->seeds.size(), 4000U);
+    EXPECT_EQ(set->contradicted, 0);
+    return DegenerateText(refiner.found(), *set, /*stereo_seeds=*/false);
+  };
+  EXPECT_EQ(text(), "");
+  cv::flip(wall.tof.depth_m, wall.tof.depth_m, 1);
+  EXPECT_THAT(text(), testing::HasSubstr("all are believed, since range_bias is not FIELD"));
 }
 
 // Its error grows from 0 to 12 px. A third of the nodes is contradicted where costs do not reach;
