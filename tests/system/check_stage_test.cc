@@ -136,6 +136,12 @@ TEST(CheckStageSystem, LooksAtWhatComesBesideTheAnswers) {
               check("small_confidence"));
   ExpectFound({"", "one answer a frame: SPROUT_CONFIDENCE, frame 0: 2 messages"},
               check("two_confidences"));
+  ExpectFound({"", "SPROUT_CONFIDENCE, frame 0: an image of 128x96 with 3 bytes a pixel"},
+              check("colour_confidence"));
+  EXPECT_THAT(
+      CheckStage("grow", {ProgramPath("sprout-grow"), "--config", "paper"}).output,
+      HasSubstr("\ngrow: nothing on SPROUT_CONFIDENCE: give sprout-depth depth { confidence: false "
+                "}\n"));
 }
 
 class CheckCaptureFaults : public testing::TestWithParam<Fault> {};
@@ -172,8 +178,11 @@ TEST(CheckStageSystem, FindsAnAnswerOnAnotherChannel) {
   const Verdict verdict = CheckWrongPrior("other_channel");
   EXPECT_EQ(verdict.exit_code, 1);
   EXPECT_THAT(verdict.wrong,
-              ElementsAre(HasSubstr("no answer within 5 s"),
+              ElementsAre(HasSubstr("no answer on SPROUT_PRIOR within 5 s; does it listen on "),
                           HasSubstr("published on SPROUT_DISPARITY; allowed is SPROUT_PRIOR")));
+  ExpectFound(
+      {"", "starts and answers: no answer on SPROUT_PRIOR within 5 s; it publishes on MY_PRIOR"},
+      CheckWrongPrior("own_channel"));
 }
 
 TEST(CheckStageSystem, SaysWhyWhenEveryFrameFailsAndDoesNotAskForTheAddress) {
@@ -189,7 +198,7 @@ TEST(CheckStageSystem, FindsWhatIsNoTemporalStage) {
   const Verdict verdict = CheckStage("temporal", {ProgramPath("sprout-grow"), "--config", "fast"},
                                      {"--timeout", "1", "--start-timeout", "2"});
   EXPECT_EQ(verdict.exit_code, 1);
-  EXPECT_THAT(verdict.wrong, testing::Contains(HasSubstr("no answer within 2 s")));
+  EXPECT_THAT(verdict.wrong, testing::Contains(HasSubstr("no answer on SPROUT_FUSED within 2 s")));
 }
 
 TEST(CheckStageSystem, WhatCannotBeCheckedIsNoVerdict) {

@@ -16,29 +16,12 @@
 namespace sprout {
 namespace {
 
-const std::set<std::string> kFaults = {"none",
-                                       "drops_a_frame",
-                                       "answers_twice",
-                                       "changes_seq",
-                                       "changes_utime",
-                                       "changes_rig_id",
-                                       "half_size",
-                                       "other_type",
-                                       "out_of_range",
-                                       "empty",
-                                       "remembers",
-                                       "silent_if_poor",
-                                       "crashes_on_bad",
-                                       "hangs_on_bad",
-                                       "believes_bad",
-                                       "other_channel",
-                                       "ignores_sigterm",
-                                       "ends_at_once",
-                                       "ends_early",
-                                       "fails",
-                                       "small_confidence",
-                                       "two_confidences",
-                                       "stands_still"};
+const std::set<std::string> kFaults = {
+    "none",           "drops_a_frame",    "answers_twice",     "changes_seq",     "changes_utime",
+    "changes_rig_id", "half_size",        "other_type",        "out_of_range",    "empty",
+    "remembers",      "silent_if_poor",   "crashes_on_bad",    "hangs_on_bad",    "believes_bad",
+    "other_channel",  "own_channel",      "ignores_sigterm",   "ends_at_once",    "ends_early",
+    "fails",          "small_confidence", "colour_confidence", "two_confidences", "stands_still"};
 
 class WrongPrior {
  public:
@@ -102,10 +85,15 @@ class WrongPrior {
     if (Has("changes_utime")) id.utime += 1;
     if (Has("changes_rig_id")) id.rig_id += "x";
     std::vector<uint8_t> bytes = EncodePart(id, Part::kPrior, EvenPrior(Map(set), 1));
+    if (Has("own_channel")) {
+      if (!publisher_.Publish("MY_PRIOR", bytes)) std::abort();
+      return;
+    }
     if (fault_.ends_with("confidence") || fault_.ends_with("confidences")) {
-      const cv::Mat1b confidence(Has("small_confidence") ? size_ / 2 : size_, uchar{9});
+      const cv::Mat confidence(Has("small_confidence") ? size_ / 2 : size_,
+                               Has("colour_confidence") ? CV_8UC3 : CV_8UC1, cv::Scalar::all(9));
       for (int i = 0; i < (Has("two_confidences") ? 2 : 1); ++i) {
-        Publish(Part::kConfidence, EncodePart(id, Part::kConfidence, cv::Mat(confidence)));
+        Publish(Part::kConfidence, EncodePart(id, Part::kConfidence, confidence));
       }
       return Publish(Part::kDisparity, EncodePart(id, Part::kDisparity, Map(set)));
     }

@@ -94,7 +94,7 @@ class CaptureCheck {
 }  // namespace
 
 int CheckCapture(const CheckOptions& options) {
-  BusConnection bus(options.lcm_url, {Receiver::kAllChannels});
+  BusConnection bus(options.lcm_url);
   return CheckProgram(
       options.command, options.lcm_url, kCaptureRules,
       [&](Process& process, Findings& found) {

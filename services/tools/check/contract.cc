@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/config/config_error.h"
+#include "common/core/answer_values.h"
 #include "common/core/image.h"
 
 namespace sprout::check {
@@ -33,22 +34,9 @@ constexpr std::pair<Rule, std::string_view> kTexts[] = {
 };
 static_assert(std::size(kTexts) == static_cast<size_t>(Rule::kEnd) + 1, "a text for each rule");
 
-bool InImage(float u, float v, cv::Size size) {
-  // Up to half a pixel outside the first and last pixel centres.
-  return u >= -0.5F && u <= static_cast<float>(size.width) - 0.5F && v >= -0.5F &&
-         v <= static_cast<float>(size.height) - 0.5F;
-}
-
 void CheckSeeds(const SeedSet& set, cv::Size size, const std::string& what, Findings& found) {
-  for (size_t i = 0; i < set.seeds.size(); ++i) {
-    const Seed& seed = set.seeds[i];
-    const bool inside = InImage(seed.u, seed.v, size) && InImage(seed.u_right, seed.v, size);
-    if (!inside || seed.disparity() < 0) {
-      found.Add(Rule::kValues, fmt::format("{}: seed {} is (u {}, v {}, u_right {}); allowed are "
-                                           "places in both images ({}) with u >= u_right",
-                                           what, i, seed.u, seed.v, seed.u_right, SizeText(size)));
-      return;
-    }
+  if (const auto wrong = WrongSeed(set.seeds, size)) {
+    return found.Add(Rule::kValues, what + ": " + *wrong);
   }
   if (const int32_t from_tof = CountTofSeeds(set.seeds); set.raw < from_tof) {
     found.Add(Rule::kValues,
@@ -63,19 +51,7 @@ void CheckMap(const DisparityImage& map, cv::Size size, const std::string& what,
                                        SizeText(map.size()), SizeText(size)));
     return;
   }
-  for (int v = 0; v < map.height(); ++v) {
-    for (int u = 0; u < map.width(); ++u) {
-      if (!map.IsValid(u, v)) continue;
-      const float disparity = map.Px(u, v);
-      if (disparity < 0 || disparity >= static_cast<float>(size.width)) {
-        found.Add(
-            Rule::kValues,
-            fmt::format("{}: disparity {} px at ({}, {}); allowed is 0 to {}, or no disparity",
-                        what, disparity, u, v, size.width - 1));
-        return;
-      }
-    }
-  }
+  if (const auto wrong = WrongDisparity(map)) found.Add(Rule::kValues, what + ": " + *wrong);
 }
 
 // The map in an answer of prior or grow.
@@ -183,9 +159,11 @@ void CheckAnswer(const PartValue& answer, cv::Size size, const std::string& what
 
 void CheckExtra(const PartValue& extra, cv::Size size, const std::string& what, Findings& found) {
   if (const auto* image = std::get_if<cv::Mat>(&extra)) {
-    if (image->size() == size) return;
-    found.Add(Rule::kForm, fmt::format("{}: an image of {}; allowed is the size of LEFT, {}", what,
-                                       SizeText(image->size()), SizeText(size)));
+    if (image->size() == size && image->channels() == 1) return;
+    found.Add(Rule::kForm,
+              fmt::format("{}: an image of {} with {} bytes a pixel; allowed is the size of LEFT, "
+                          "{}, in grey",
+                          what, SizeText(image->size()), image->channels(), SizeText(size)));
   } else if (std::holds_alternative<PriorMap>(extra) ||
              std::holds_alternative<DisparityImage>(extra)) {
     CheckMap(MapOf(extra), size, what, found);

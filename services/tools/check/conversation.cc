@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/bus/channels.h"
+#include "common/core/printable.h"
 
 namespace sprout::check {
 namespace {
@@ -165,9 +166,10 @@ void Conversation::TakeOther(const Heard& heard) {
     if (heard.channel != ChannelOf(part)) continue;
     if (contract_.may_publish.Has(part)) return TakeExtra(part, heard);
     if (own_[part]-- > 0) return;  // sent by this program
-    found_.Add(Rule::kChannels, fmt::format("published on {}; allowed is {}", heard.channel,
-                                            ChannelOf(contract_.answer)));
+    return found_.Add(Rule::kChannels, fmt::format("published on {}; allowed is {}", heard.channel,
+                                                   ChannelOf(contract_.answer)));
   }
+  if (others_heard_.size() < kMaxOthers) others_heard_.insert(Printable(heard.channel));
 }
 
 }  // namespace sprout::check

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -76,11 +77,15 @@ class Conversation {
   /// What the stage published besides its answers.
   const PartSet& extras_heard() const { return extras_heard_; }
 
+  /// Channels outside of the graph on which it published: the first eight.
+  const std::set<std::string>& others_heard() const { return others_heard_; }
+
   /// Times from the last message of a frame sent to its answer, ms, for frames with Look::kAll.
   const std::vector<double>& times_ms() const { return times_ms_; }
 
  private:
   static constexpr int kMaxMissed = 3;
+  static constexpr size_t kMaxOthers = 8;
   static constexpr int64_t kPauseUtime = 3'600'000'000;
 
   struct Sent {
@@ -115,6 +120,7 @@ class Conversation {
   int64_t pause_utime_ = 0;
   int answers_heard_ = 0;
   PartSet extras_heard_;
+  std::set<std::string> others_heard_;
   std::optional<StageStatus> newest_status_;
   int frames_missed_ = 0;
   bool ended_ = false;

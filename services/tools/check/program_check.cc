@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <ostream>
 
+#include "common/bus/channels.h"
 #include "common/config/config_error.h"
 #include "common/messages/codec.h"
 
@@ -29,9 +30,9 @@ std::string LastLines(const std::string& output) {
 
 }  // namespace
 
-BusConnection::BusConnection(const std::string& url, const std::vector<std::string_view>& channels)
+BusConnection::BusConnection(const std::string& url)
     : publisher_(url, ""),
-      receiver_(url, "", channels,
+      receiver_(url, "", {Receiver::kAllChannels},
                 [this](std::string_view channel, std::span<const uint8_t> bytes) {
                   const auto now = std::chrono::steady_clock::now();
                   {

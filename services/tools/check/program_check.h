@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "common/app/process.h"
-#include "common/bus/channels.h"
 #include "common/bus/publisher.h"
 #include "common/bus/receiver.h"
 #include "services/tools/check/contract.h"
@@ -28,13 +27,11 @@ struct Heard {
   std::chrono::steady_clock::time_point when;
 };
 
-/// Sends on the bus, and receives its own messages, too. Not thread-safe.
+/// Sends on the bus, and receives all that is on it, its own messages, too. Not thread-safe.
 class BusConnection {
  public:
-  /// @param channels  to receive; Receiver::kAllChannels for all.
   /// @throws BusError, see OpenLcm().
-  explicit BusConnection(const std::string& url,
-                         const std::vector<std::string_view>& channels = AllChannels());
+  explicit BusConnection(const std::string& url);
 
   /// @throws BusError when LCM refuses the message.
   void Send(std::string_view channel, std::span<const uint8_t> bytes);

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <iostream>
 #include <optional>
+#include <string_view>
+#include <utility>
 
 #include "common/bus/channels.h"
 #include "common/config/config_error.h"
 #include "common/core/image.h"
+#include "common/core/joined.h"
 #include "common/core/quantile.h"
 #include "services/tools/check/checks.h"
 #include "services/tools/check/conversation.h"
@@ -59,11 +62,13 @@ class StageCheck {
         "{0}: {5}\n",
         contract_.stage, Median(times), longest, times.size(),
         SizeText(frames_[0].rig().pair.size()), CompareAnswers(comparable_, recorded_));
-    if (contract_.may_publish.Has(Part::kLeftSeeds) &&
-        !talk_.extras_heard().Has(Part::kLeftSeeds)) {
+    constexpr std::pair<Part, std::string_view> kMissed[] = {
+        {Part::kLeftSeeds, "the prior behind it prior { left_seeds: false }"},
+        {Part::kConfidence, "sprout-depth depth { confidence: false }"}};
+    for (const auto& [part, cure] : kMissed) {
+      if (!contract_.may_publish.Has(part) || talk_.extras_heard().Has(part)) continue;
       figures +=
-          fmt::format("{}: nothing on {}: give the prior behind it prior {{ left_seeds: false }}\n",
-                      contract_.stage, ChannelOf(Part::kLeftSeeds));
+          fmt::format("{}: nothing on {}: give {}\n", contract_.stage, ChannelOf(part), cure);
     }
     return figures;
   }
@@ -84,11 +89,17 @@ class StageCheck {
       started_ = talk_.answers_heard() > 0;
     }
     if (!started_ && !talk_.over()) {
-      found_.Add(Rule::kStart,
-                 fmt::format("no answer within {} s; does it listen on {}?",
-                             std::chrono::duration<double>(options_.start_timeout).count(),
-                             options_.lcm_url));
+      found_.Add(
+          Rule::kStart,
+          fmt::format("no answer on {} within {} s; {}", ChannelOf(contract_.answer),
+                      std::chrono::duration<double>(options_.start_timeout).count(), WhyNone()));
     }
+  }
+
+  std::string WhyNone() const {
+    const auto& others = talk_.others_heard();
+    if (others.empty()) return "does it listen on " + options_.lcm_url + "?";
+    return "it publishes on " + Joined(", ", std::vector(others.begin(), others.end()));
   }
 
   // Whether the stage's status says that every frame failed: asking on would not help, and the
