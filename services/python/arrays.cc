@@ -224,6 +224,7 @@ std::vector<Seed> TakeSeeds(const std::string& name, const py::handle& given) {
     const auto array = py::reinterpret_borrow<py::array>(given);
     // By the names of the fields: NumPy packs them anew now and then.
     const bool has_fields = array.dtype().attr("names").equal(py::dtype::of<Seed>().attr("names"));
+    if (py::hasattr(array, "mask")) Refuse(name, "an array of sprout.SEED without a mask", given);
     if (array.ndim() == 1 && has_fields) {
       const py::array_t<Seed, py::array::c_style | py::array::forcecast> seeds(array);
       return {seeds.data(), seeds.data() + seeds.size()};

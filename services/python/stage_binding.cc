@@ -11,6 +11,7 @@
 #include "common/app/log.h"
 #include "common/app/run_stage.h"
 #include "common/config/stage_parts.h"
+#include "common/core/answer_values.h"
 #include "common/messages/convert.h"
 #include "services/python/arrays.h"
 #include "services/python/bindings.h"
@@ -19,6 +20,11 @@ namespace sprout::python {
 namespace {
 
 constexpr std::array<std::string_view, 3> kStages = {"refine", "prior", "grow"};
+
+// What the stages behind would not use, without a word here.
+void RequireRight(const std::string& name, const std::optional<std::string>& wrong) {
+  if (wrong) throw py::value_error(name + ": " + *wrong);
+}
 
 // What a function gives becomes a part; sizes are those of LEFT.
 PartValue TakeValue(Part part, const py::handle& given, cv::Size size) {
@@ -33,25 +39,39 @@ PartValue TakeValue(Part part, const py::handle& given, cv::Size size) {
                    std::to_string(size.width) + ") as left",
                ToArray(prior.disparity));
       }
+      RequireRight(name, WrongDisparity(prior.disparity));
       return prior;
     }
     case Part::kSeeds:
     case Part::kLeftSeeds: {
       SeedSet set{.seeds = TakeSeeds(name, given)};
       set.raw = CountTofSeeds(set.seeds);
-      // What the next stage would drop, without a word here.
       if (const auto sent = FromMessage(ToMessage(FrameId(), set)); !sent) {
-        throw py::value_error(name + ": " + sent.error().text);
+        RequireRight(name, sent.error().text);
       }
+      if (part == Part::kSeeds) RequireRight(name, WrongSeed(set.seeds, size));
       return set;
     }
     case Part::kConfidence:
       return cv::Mat(TakeBytes(name, given, size));
     case Part::kSigma:
       return cv::Mat(TakeSigmas(name, given, size));
-    default:
-      return TakeDisparities(name, given, size);
+    default: {
+      DisparityImage map = TakeDisparities(name, given, size);
+      RequireRight(name, WrongDisparity(map));
+      return map;
+    }
   }
+}
+
+// Why an answer is none; empty when it is one.
+std::string EmptyText(const PartValue& value) {
+  if (const auto* set = std::get_if<SeedSet>(&value)) {
+    return set->seeds.empty() ? "the stage's function gives no seeds" : "";
+  }
+  const auto* prior = std::get_if<PriorMap>(&value);
+  const DisparityImage& map = prior ? prior->disparity : std::get<DisparityImage>(value);
+  return map.AnyValid() ? "" : "the stage's function gives a map without any disparity";
 }
 
 PartValue EmptyValue(Part part, cv::Size size) {
@@ -75,6 +95,7 @@ std::string InOneLine(std::string text) {
   constexpr std::string_view kPlaces = "\n\nAt:\n  ";
   const size_t places = text.rfind(kPlaces);
   if (places != std::string::npos) text.replace(places, kPlaces.size(), " at ");
+  text.resize(text.find_last_not_of('\n') + 1);
   for (size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', end)) {
     text.replace(end, text.find_first_not_of("\n ", end) - end, "; ");
   }
@@ -125,7 +146,7 @@ class PyStage : public StageAdapter {
     const cv::Size size = frame.left.size();
     StageResult outcome;
     if (py::isinstance<py::str>(given)) {
-      outcome.degenerate = BytesOfText(given);
+      outcome.degenerate = InOneLine(BytesOfText(given));
       if (outcome.degenerate.empty()) outcome.degenerate = "the stage's function gives no reason";
       for (const Part part : kAllParts) {
         if (outputs_.Has(part)) outcome.outputs.push_back({part, EmptyValue(part, size)});
@@ -146,6 +167,7 @@ class PyStage : public StageAdapter {
           WarnOnce(part, "is not sent: the configuration does not ask for it");
       } else if (parts.contains(name)) {
         outcome.outputs.push_back({part, TakeValue(part, parts[name], size)});
+        if (part == MainPart()) outcome.degenerate = EmptyText(outcome.outputs.back().value);
       } else if (part == Part::kLeftSeeds) {
         outcome.outputs.push_back({part, SeedSet()});
       } else if (part == MainPart()) {

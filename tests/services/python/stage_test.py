@@ -71,6 +71,46 @@ class StageTest(FolderTest):
         self.assertRegex(text, r"5 in, 5 out \(5 degenerate\)")
         self.assertIn("the stage's function gives no reason", text)
 
+    def answer(self, stage: str, expression: str) -> Tuple[int, str]:
+        """Of a stage that gives an expression of `ones`, of the size of the image, or 9 `seeds`."""
+        script = self.folder / "gives.py"
+        script.write_text("import numpy, sprout\n"
+                          f"@sprout.stage({stage!r})\n"
+                          "def gives(frame, config):\n"
+                          "    ones = numpy.ones(frame.left.shape[:2], numpy.float32)\n"
+                          "    seeds = numpy.zeros(9, sprout.SEED)\n"
+                          "    seeds['u'], seeds['v'], seeds['u_right'], seeds['sigma_px'] = 20, 5, 10, 1\n"
+                          "    seeds['tof_u'] = seeds['tof_v'] = -1\n"
+                          f"    return {expression}\n"
+                          "sprout.run()\n")
+        return python(script, "--replay", SAMPLE, "--record", self.folder / "answers.lcm")
+
+    def test_answers_that_no_stage_may_give_are_refused(self) -> None:
+        for stage, expression, said in (
+                ("prior", "sprout.PriorMap(-3 * ones, 1)", "prior: disparity -3 px at (0, 0); allowed is 0 to 127"),
+                ("grow", "128 * ones", "disparity: disparity 128 px at (0, 0); allowed is 0 to 127"),
+                ("refine", "(seeds.__setitem__('u_right', 30), seeds)[1]",
+                 "seeds: seed 0 is (u 20, v 5, u_right 30); allowed are places in both images (128x96)"),
+                ("refine", "numpy.ma.array(seeds)", "seeds: expected an array of sprout.SEED without a mask")):
+            code, text = self.answer(stage, expression)
+            self.assertEqual(code, 1, text)
+            self.assertIn("frame 0: failed: " + said, text)
+            self.assertIn("5 in, 0 out (0 degenerate), 5 failed", text)
+        for stage, expression in (("prior", "sprout.PriorMap(127 * ones, 1)"), ("grow", "0 * ones"), ("refine", "seeds")):
+            code, text = self.answer(stage, expression)
+            self.assertEqual(code, 0, text)
+
+    def test_answers_without_anything_in_them_are_no_results(self) -> None:
+        for stage, expression, said in (
+                ("prior", "sprout.PriorMap(numpy.nan * ones, 1)", "gives a map without any disparity"),
+                ("grow", "numpy.nan * ones", "gives a map without any disparity"),
+                ("refine", "seeds[:0]", "gives no seeds"),
+                ("refine", "'dark;\\n  nothing'", "dark;; nothing")):
+            code, text = self.answer(stage, expression)
+            self.assertEqual(code, 1, text)
+            self.assertIn("5 in, 5 out (5 degenerate)", text)
+            self.assertIn(said + "\n", text)
+
     def test_has_the_flags_of_every_stage_and_its_own_words(self) -> None:
         code, text = python(PRIOR, "--help")
         self.assertEqual(code, 0)
