@@ -12,6 +12,7 @@
 #include "common/app/run_stage.h"
 #include "common/config/stage_parts.h"
 #include "common/core/answer_values.h"
+#include "common/geometry/widened_frame.h"
 #include "common/messages/convert.h"
 #include "services/python/arrays.h"
 #include "services/python/bindings.h"
@@ -26,9 +27,20 @@ void RequireRight(const std::string& name, const std::optional<std::string>& wro
   if (wrong) throw py::value_error(name + ": " + *wrong);
 }
 
+// The least disparity that is taken, px: as far below 0 as the calibration or the seeds reach, and
+// a pixel of rounding.
+double LeastTaken(const Frame& frame) {
+  int columns = frame.rig ? ColumnsBelowZero(frame.rig->pair) : 0;
+  if (frame.seeds) columns = std::max(columns, ColumnsBelowZero(frame.seeds->seeds));
+  if (!frame.rig && !frame.seeds) columns = kMaxColumns;
+  return -1.0 - columns;
+}
+
 // What a function gives becomes a part; sizes are those of LEFT.
-PartValue TakeValue(Part part, const py::handle& given, cv::Size size) {
+PartValue TakeValue(Part part, const py::handle& given, const Frame& frame) {
   const std::string name = NameOf(part);
+  const cv::Size size = frame.left.size();
+  const double least_px = LeastTaken(frame);
   switch (part) {
     case Part::kPrior: {
       if (!py::isinstance<PriorMap>(given)) Refuse(name, "a PriorMap", given);
@@ -39,7 +51,7 @@ PartValue TakeValue(Part part, const py::handle& given, cv::Size size) {
                    std::to_string(size.width) + ") as left",
                ToArray(prior.disparity));
       }
-      RequireRight(name, WrongDisparity(prior.disparity));
+      RequireRight(name, WrongDisparity(prior.disparity, least_px));
       return prior;
     }
     case Part::kSeeds:
@@ -49,7 +61,7 @@ PartValue TakeValue(Part part, const py::handle& given, cv::Size size) {
       if (const auto sent = FromMessage(ToMessage(FrameId(), set)); !sent) {
         RequireRight(name, sent.error().text);
       }
-      if (part == Part::kSeeds) RequireRight(name, WrongSeed(set.seeds, size));
+      if (part == Part::kSeeds) RequireRight(name, WrongSeed(set.seeds, size, least_px));
       return set;
     }
     case Part::kConfidence:
@@ -58,7 +70,7 @@ PartValue TakeValue(Part part, const py::handle& given, cv::Size size) {
       return cv::Mat(TakeSigmas(name, given, size));
     default: {
       DisparityImage map = TakeDisparities(name, given, size);
-      RequireRight(name, WrongDisparity(map));
+      RequireRight(name, WrongDisparity(map, least_px));
       return map;
     }
   }
@@ -166,7 +178,7 @@ class PyStage : public StageAdapter {
         if (parts.contains(name))
           WarnOnce(part, "is not sent: the configuration does not ask for it");
       } else if (parts.contains(name)) {
-        outcome.outputs.push_back({part, TakeValue(part, parts[name], size)});
+        outcome.outputs.push_back({part, TakeValue(part, parts[name], frame)});
         if (part == MainPart()) outcome.degenerate = EmptyText(outcome.outputs.back().value);
       } else if (part == Part::kLeftSeeds) {
         outcome.outputs.push_back({part, SeedSet()});

@@ -96,8 +96,8 @@ def stage(name: str, inputs: Optional[Sequence[str]] = None) -> Callable[[_S], _
     stage's answer: refine an array of SEED, prior a PriorMap, grow a disparity map ((H, W) float32, px,
     NaN: none); or a dict of several parts by their names, {"disparity": ..., "confidence": ...}; or a
     str, which says why there is nothing to give: the answer is empty then. The same frame must get the
-    same answer. An exception, or an answer with a disparity below 0 or from the image's width on, costs
-    the frame, is counted and in the status, and the stage goes on.
+    same answer. An exception, or an answer with a disparity far below that of infinity (mostly 0) or from
+    the image's width on, costs the frame, is counted and in the status, and the stage goes on.
 
     inputs: names of the parts that it joins; None: as the C++ stage with the same configuration.
     """

@@ -34,8 +34,9 @@ constexpr std::pair<Rule, std::string_view> kTexts[] = {
 };
 static_assert(std::size(kTexts) == static_cast<size_t>(Rule::kEnd) + 1, "a text for each rule");
 
-void CheckSeeds(const SeedSet& set, cv::Size size, const std::string& what, Findings& found) {
-  if (const auto wrong = WrongSeed(set.seeds, size)) {
+void CheckSeeds(const SeedSet& set, const RectifiedPair& pair, const std::string& what,
+                Findings& found) {
+  if (const auto wrong = WrongSeed(set.seeds, pair.size(), LeastDisparity(pair))) {
     return found.Add(Rule::kValues, what + ": " + *wrong);
   }
   if (const int32_t from_tof = CountTofSeeds(set.seeds); set.raw < from_tof) {
@@ -45,13 +46,16 @@ void CheckSeeds(const SeedSet& set, cv::Size size, const std::string& what, Find
   }
 }
 
-void CheckMap(const DisparityImage& map, cv::Size size, const std::string& what, Findings& found) {
-  if (map.size() != size) {
+void CheckMap(const DisparityImage& map, const RectifiedPair& pair, const std::string& what,
+              Findings& found) {
+  if (map.size() != pair.size()) {
     found.Add(Rule::kForm, fmt::format("{}: a map of {}; allowed is the size of LEFT, {}", what,
-                                       SizeText(map.size()), SizeText(size)));
+                                       SizeText(map.size()), SizeText(pair.size())));
     return;
   }
-  if (const auto wrong = WrongDisparity(map)) found.Add(Rule::kValues, what + ": " + *wrong);
+  if (const auto wrong = WrongDisparity(map, LeastDisparity(pair))) {
+    found.Add(Rule::kValues, what + ": " + *wrong);
+  }
 }
 
 // The map in an answer of prior or grow.
@@ -149,24 +153,26 @@ StageContract ContractOf(const std::string& stage) {
                     "': allowed are capture, refine, prior, grow, temporal and pipeline");
 }
 
-void CheckAnswer(const PartValue& answer, cv::Size size, const std::string& what, Findings& found) {
+void CheckAnswer(const PartValue& answer, const RectifiedPair& pair, const std::string& what,
+                 Findings& found) {
   if (const auto* seeds = std::get_if<SeedSet>(&answer)) {
-    CheckSeeds(*seeds, size, what, found);
+    CheckSeeds(*seeds, pair, what, found);
   } else {
-    CheckMap(MapOf(answer), size, what, found);
+    CheckMap(MapOf(answer), pair, what, found);
   }
 }
 
-void CheckExtra(const PartValue& extra, cv::Size size, const std::string& what, Findings& found) {
+void CheckExtra(const PartValue& extra, const RectifiedPair& pair, const std::string& what,
+                Findings& found) {
   if (const auto* image = std::get_if<cv::Mat>(&extra)) {
-    if (image->size() == size && image->channels() == 1) return;
+    if (image->size() == pair.size() && image->channels() == 1) return;
     found.Add(Rule::kForm,
               fmt::format("{}: an image of {} with {} bytes a pixel; allowed is the size of LEFT, "
                           "{}, in grey",
-                          what, SizeText(image->size()), image->channels(), SizeText(size)));
+                          what, SizeText(image->size()), image->channels(), SizeText(pair.size())));
   } else if (std::holds_alternative<PriorMap>(extra) ||
              std::holds_alternative<DisparityImage>(extra)) {
-    CheckMap(MapOf(extra), size, what, found);
+    CheckMap(MapOf(extra), pair, what, found);
   }
 }
 

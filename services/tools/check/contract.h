@@ -74,14 +74,16 @@ StageContract ContractOf(const std::string& stage);
 
 /// Checks an answer to a complete frame, beyond the checks of convert.h.
 ///
-/// @param size   of the rectified images, px.
+/// @param pair   that the frame is of.
 /// @param what   names the answer in findings.
 /// @param found  gets findings of Rule::kForm or kValues.
-void CheckAnswer(const PartValue& answer, cv::Size size, const std::string& what, Findings& found);
+void CheckAnswer(const PartValue& answer, const RectifiedPair& pair, const std::string& what,
+                 Findings& found);
 
 /// Checks what a stage published besides its answer, beyond the checks of convert.h: the size of
 /// maps and images, the values of maps. Parameters as CheckAnswer() has them.
-void CheckExtra(const PartValue& extra, cv::Size size, const std::string& what, Findings& found);
+void CheckExtra(const PartValue& extra, const RectifiedPair& pair, const std::string& what,
+                Findings& found);
 
 /// Whether an answer is empty: no seed, or no pixel with a disparity.
 bool IsEmptyAnswer(const PartValue& answer);

@@ -25,7 +25,7 @@ Conversation::Sent& Conversation::Begin(const TestFrame& frame, Look look) {
   sent.id = {
       .utime = kFirstUtime + pause_utime_ + seq * kFrameUtime, .seq = seq, .rig_id = frame.rig_id};
   sent.name = frame.name;
-  sent.size = frame.rig().pair.size();
+  sent.pair = frame.rig().pair;
   sent.look = look;
   return sent;
 }
@@ -136,7 +136,7 @@ void Conversation::TakeAnswer(const Heard& heard) {
   }
   if (!decoded) return;
   if (sent->look == Look::kAll) {
-    CheckAnswer(decoded->value, sent->size, what, found_);
+    CheckAnswer(decoded->value, sent->pair, what, found_);
     if (IsEmptyAnswer(decoded->value)) found_.Add(Rule::kValues, what + ": an empty answer");
   }
   sent->answer = std::move(decoded->value);
@@ -153,7 +153,7 @@ void Conversation::TakeExtra(Part part, const Heard& heard) {
   if (const int count = ++sent->extras[part]; count > 1) {
     found_.Add(Rule::kOneAnswer, fmt::format("{}: {} messages", what, count));
   } else if (sent->look == Look::kAll) {
-    CheckExtra(decoded->value, sent->size, what, found_);
+    CheckExtra(decoded->value, sent->pair, what, found_);
   }
 }
 

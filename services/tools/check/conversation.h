@@ -91,7 +91,7 @@ class Conversation {
   struct Sent {
     FrameId id;
     std::string name;
-    cv::Size size;  // of the rectified images
+    RectifiedPair pair;
     Look look = Look::kIfAnswered;
     bool bad = false;  // not a valid frame: an answer is wrong
     int answers = 0;

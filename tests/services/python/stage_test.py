@@ -87,8 +87,9 @@ class StageTest(FolderTest):
 
     def test_answers_that_no_stage_may_give_are_refused(self) -> None:
         for stage, expression, said in (
-                ("prior", "sprout.PriorMap(-3 * ones, 1)", "prior: disparity -3 px at (0, 0); allowed is 0 to 127"),
-                ("grow", "128 * ones", "disparity: disparity 128 px at (0, 0); allowed is 0 to 127"),
+                ("prior", "sprout.PriorMap(-7 * ones, 1)", "prior: disparity -7 px at (0, 0); allowed is -3 to 127"),
+                ("grow", "-2 * ones", "disparity: disparity -2 px at (0, 0); allowed is -1 to 127"),
+                ("grow", "128 * ones", "disparity: disparity 128 px at (0, 0); allowed is -1 to 127"),
                 ("refine", "(seeds.__setitem__('u_right', 30), seeds)[1]",
                  "seeds: seed 0 is (u 20, v 5, u_right 30); allowed are places in both images (128x96)"),
                 ("refine", "numpy.ma.array(seeds)", "seeds: expected an array of sprout.SEED without a mask")):
@@ -96,7 +97,8 @@ class StageTest(FolderTest):
             self.assertEqual(code, 1, text)
             self.assertIn("frame 0: failed: " + said, text)
             self.assertIn("5 in, 0 out (0 degenerate), 5 failed", text)
-        for stage, expression in (("prior", "sprout.PriorMap(127 * ones, 1)"), ("grow", "0 * ones"), ("refine", "seeds")):
+        for stage, expression in (("prior", "sprout.PriorMap(127 * ones, 1)"), ("grow", "0 * ones"), ("refine", "seeds"),
+                                  ("prior", "sprout.PriorMap(-2 * ones, 1)")):  # near infinity: cx_right - cx is 1.28
             code, text = self.answer(stage, expression)
             self.assertEqual(code, 0, text)
 
