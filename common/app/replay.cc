@@ -12,6 +12,7 @@
 #include "common/app/frame_assembler.h"
 #include "common/app/log.h"
 #include "common/app/progress.h"
+#include "common/app/replay_input.h"
 #include "common/app/stage_monitor.h"
 #include "common/app/status_reporter.h"
 #include "common/bus/channels.h"
@@ -33,6 +34,9 @@ using Clock = StageMonitor::Clock;
 constexpr size_t kMaxCompared = 16;
 
 constexpr std::chrono::milliseconds kProgressPeriod{200};
+
+// Calibrations whose names are kept; a log can hold any number.
+constexpr size_t kMaxRigs = 64;
 
 // Messages among which a second answer for a frame is looked for: those of some 64 frames.
 constexpr size_t kMaxHeard = 512;
@@ -176,14 +180,35 @@ class Replay {
   // False for messages of frames out of range, which are then neither decoded nor missed.
   bool IsWanted(std::string_view channel, std::span<const uint8_t> bytes) {
     const std::optional<Part> part = PartOf(channel);
-    if (!part || part == Part::kRig || !adapter_.Inputs().Has(*part)) return true;
+    if (!part || !adapter_.Inputs().Has(*part)) return true;
     const Result<FrameId> id = DecodeFrameId(bytes);
+    if (part == Part::kRig) {
+      if (id) NoteRig(id->rig_id, rigs_there_);
+      return true;
+    }
     // What names no frame is left to the border, which counts it as a bad message.
     if (TypeOf(bytes) != TypeOf(*part) || !id || id->seq < 0) return true;
     if (!seen_) seen_ = FrameRange{.first = id->seq, .last = id->seq};
     seen_->first = std::min(seen_->first, id->seq);
     seen_->last = std::max(seen_->last, id->seq);
-    return needed_.Has(id->seq);
+    if (!needed_.Has(id->seq)) return false;
+    NoteRig(id->rig_id, rigs_named_);
+    return true;
+  }
+
+  static void NoteRig(const std::string& rig_id, std::set<std::string>& rigs) {
+    if (rigs.size() < kMaxRigs) rigs.insert(rig_id);
+  }
+
+  // Calibrations that frames name and that no log has; empty when there are none.
+  std::string MissingRigs() const {
+    if (!adapter_.Inputs().Has(Part::kRig) || rigs_there_.size() == kMaxRigs) return "";
+    std::vector<std::string> missing;
+    std::ranges::set_difference(rigs_named_, rigs_there_, std::back_inserter(missing));
+    if (missing.empty()) return "";
+    return fmt::format("no {} with the rig_id of frames, '{}'; it has '{}'",
+                       LoggedChannel(ChannelOf(Part::kRig)), Joined("', '", missing),
+                       Joined("', '", rigs_there_));
   }
 
   // Whether the frame had another message on this channel before. Frames that were sent again have
@@ -229,6 +254,9 @@ class Replay {
       throw ConfigError(fmt::format("--frames: none of them in {}; it has {}:{}", logs,
                                     seen_->first, seen_->last));
     }
+    if (const std::string rigs = MissingRigs(); !rigs.empty()) {
+      throw ConfigError(fmt::format("--replay {}: {}", logs, rigs));
+    }
     throw ConfigError(fmt::format(
         "--replay {}: no frame is complete ({} lack a message, {} bad messages); it has {}", logs,
         status.frames_incomplete, status.bad_messages, input_.channels().Text()));
@@ -251,8 +279,12 @@ class Replay {
       LogLine(LogLevel::kError, "all {} frames are degenerate, the last error is: {}",
               status.frames_out, status.last_error);
     }
-    const bool whole = !stopped && !is_of_nothing && status.frames_failed == 0 &&
-                       status.bad_messages == 0 && input_.damaged_bytes() == 0;
+    if (const std::string rigs = MissingRigs(); !rigs.empty()) LogLine(LogLevel::kWarning, rigs);
+    const std::vector<std::string> left_out = input_.LeftOut();
+    for (const std::string& line : left_out) LogLine(LogLevel::kError, line);
+    const bool whole = left_out.empty() && !stopped && !is_of_nothing &&
+                       status.frames_failed == 0 && status.bad_messages == 0 &&
+                       input_.damaged_bytes() == 0;
     return whole ? 0 : 1;
   }
 
@@ -274,90 +306,21 @@ class Replay {
   std::unique_ptr<LogWriter> recording_;
   Progress progress_;
   bool info_written_ = false;
-  int64_t last_utime_ = 0;          // of a message that a frame may need
-  std::optional<FrameRange> seen_;  // from the smallest to the largest seq in the logs
+  int64_t last_utime_ = 0;            // of a message that a frame may need
+  std::optional<FrameRange> seen_;    // from the smallest to the largest seq in the logs
+  std::set<std::string> rigs_named_;  // rig_id of frames
+  std::set<std::string> rigs_there_;
   std::deque<Heard> heard_;         // the newest messages
   std::set<std::string> compared_;  // recorded configurations of this stage
   Clock::time_point started_ = Clock::now();
   Clock::time_point next_progress_{};
 };
 
-std::set<std::string, std::less<>> ChannelsOf(const std::string& path) {
-  std::set<std::string, std::less<>> channels;
-  LogReader reader(path);
-  LogEvent event;
-  while (reader.Next(event)) {
-    if (!channels.contains(event.channel)) channels.emplace(event.channel);
-  }
-  return channels;
-}
-
 }  // namespace
 
 int RunReplay(const ServiceContext& context, const ReplayOptions& options, StageAdapter& adapter) {
   for (const std::string& log : options.logs) RequireOtherFile(log, options.record);
   return Replay(context, options, adapter).Run();
-}
-
-ReplayInput::ReplayInput(const std::vector<std::string>& logs, std::string_view shared,
-                         std::set<std::string, std::less<>> ordering)
-    : ordering_(std::move(ordering)) {
-  for (const std::string& path : logs) {
-    logs_.push_back({.path = path,
-                     .reader = std::make_unique<LogReader>(path),
-                     .hidden = {},
-                     .head = {},
-                     .damage_seen = 0});
-  }
-  for (size_t later = 1; later < logs_.size(); ++later) {
-    auto channels = ChannelsOf(logs_[later].path);
-    channels.erase(std::string(shared));
-    for (size_t i = 0; i < later; ++i) logs_[i].hidden.insert(channels.begin(), channels.end());
-  }
-  for (Log& log : logs_) Advance(log);
-}
-
-bool ReplayInput::Next(LogEvent& event) {
-  if (taken_ != nullptr) Advance(*taken_);
-  taken_ = nullptr;
-  for (Log& log : logs_) {
-    if (log.head && (taken_ == nullptr || log.time < taken_->time)) taken_ = &log;
-  }
-  if (taken_ == nullptr) return false;
-  event = *taken_->head;
-  ++events_;
-  channels_.Add(event.channel);
-  return true;
-}
-
-void ReplayInput::Advance(Log& log) {
-  LogEvent event;
-  log.head.reset();
-  while (!log.head && log.reader->Next(event)) {
-    if (!log.hidden.contains(event.channel)) log.head = event;
-  }
-  if (log.head && (ordering_.empty() || ordering_.contains(log.head->channel))) {
-    log.time = std::max(log.time, log.head->utime);
-  }
-  ReportDamage(log);
-}
-
-void ReplayInput::ReportDamage(Log& log) {
-  const std::vector<LogDamage>& damage = log.reader->damage();
-  for (; log.damage_seen < damage.size(); ++log.damage_seen) {
-    damaged_bytes_ += damage[log.damage_seen].bytes;
-    LogLine(LogLevel::kWarning, "{}: {}", log.path, SkippedText(damage[log.damage_seen]));
-  }
-}
-
-double ReplayInput::progress() const {
-  int64_t position = 0;
-  int64_t size = 0;
-  for (const Log& log : logs_) {
-    position += log.reader->position();
-    size += log.reader->size();
-  }
-  return size == 0 ? 1 : static_cast<double>(position) / static_cast<double>(size);
 }
 
 }  // namespace sprout

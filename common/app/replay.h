@@ -1,20 +1,9 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
-#include <functional>
-#include <limits>
-#include <memory>
-#include <optional>
-#include <set>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "common/app/service_context.h"
 #include "common/core/stage_adapter.h"
-#include "common/logfile/channel_counts.h"
-#include "common/logfile/log_reader.h"
 
 namespace sprout {
 
@@ -41,55 +30,5 @@ inline constexpr size_t kReplayMaxPending = 64;
 /// @throws ConfigError, and leaves nothing behind, when a log cannot be used, has no frame to
 ///         process, or is also the output; LogError when writing fails.
 int RunReplay(const ServiceContext& context, const ReplayOptions& options, StageAdapter& adapter);
-
-/// The events of one or more logs as one stream in order of time, damage skipped and logged.
-///
-/// Events of one log keep their order: an event older than one before it counts as equally old.
-/// Events of equal times come in the order of the logs. A channel that several logs have is taken
-/// from the last of them, so that a replay's answers replace recorded ones. Constant memory: one
-/// event a log. Logs after the first are read twice.
-class ReplayInput {
- public:
-  /// @param logs      paths, at least one.
-  /// @param shared    a channel that is read from all logs that have it; empty: none.
-  /// @param ordering  the channels whose times order the logs. Events of other channels follow at
-  ///                  once after the events before them in their log, so that unused channels do
-  ///                  not change the order. Empty: all.
-  /// @throws LogError when one cannot be opened or is no log.
-  explicit ReplayInput(const std::vector<std::string>& logs, std::string_view shared = {},
-                       std::set<std::string, std::less<>> ordering = {});
-
-  /// @returns false at the end of all logs. Views in `event` are valid until the next call.
-  /// @throws LogError when reading fails.
-  bool Next(LogEvent& event);
-
-  int64_t events() const { return events_; }  ///< read so far
-  int64_t damaged_bytes() const { return damaged_bytes_; }
-
-  const ChannelCounts& channels() const { return channels_; }  ///< read so far
-
-  /// Share of the bytes read so far, 0 to 1.
-  double progress() const;
-
- private:
-  struct Log {
-    std::string path;
-    std::unique_ptr<LogReader> reader;
-    std::set<std::string, std::less<>> hidden;           // channels that a later log has
-    std::optional<LogEvent> head;                        // next event
-    int64_t time = std::numeric_limits<int64_t>::min();  // of the newest so far, head included
-    size_t damage_seen = 0;
-  };
-
-  void Advance(Log& log);
-  void ReportDamage(Log& log);
-
-  std::set<std::string, std::less<>> ordering_;
-  std::vector<Log> logs_;
-  Log* taken_ = nullptr;  // whose head the caller has
-  ChannelCounts channels_;
-  int64_t events_ = 0;
-  int64_t damaged_bytes_ = 0;
-};
 
 }  // namespace sprout

@@ -1,8 +1,9 @@
+#include "common/app/replay_input.h"
+
 #include <gmock/gmock.h>
 
 #include <filesystem>
 
-#include "common/app/replay.h"
 #include "common/logfile/log_error.h"
 #include "tests/common/app/captured_log.h"
 #include "tests/common/app/log_files.h"

@@ -210,10 +210,42 @@ TEST_F(ReplayTest, ReadsAndWritesUnderThePrefix) {
 TEST_F(ReplayTest, TakesThePartsFromSeveralLogs) {
   const std::string second = folder_ / "second.lcm";
   WriteLog(in_, {RigEvent(0), LeftEvent(0, 10), LeftEvent(1, 11), TofEvent(1)});
-  WriteLog(second, {TofEvent(0)});
+  WriteLog(second, {TofEvent(0), TofEvent(2)});
   EXPECT_EQ(Run({}, {in_, second}), 0);
   EXPECT_THAT(Answers(), ElementsAre(AnswerTo(0, 10, TofEvent(0))))
       << "TOF comes from the second log only";
+}
+
+TEST_F(ReplayTest, SaysThatThePartsOfARecordingAreNotJoined) {
+  const std::string second = folder_ / "second.lcm";
+  WriteLog(in_, FramesWithGrey({10, 11}));
+  WriteLog(second, {RigEvent(2), LeftEvent(2, 12), TofEvent(2), LeftEvent(3, 13), TofEvent(3)});
+  for (const std::vector<std::string>& logs : {std::vector{in_, second}, {second, in_}}) {
+    EXPECT_EQ(Run({}, logs), 1);
+    EXPECT_THAT(Answers(), SizeIs(2));
+    EXPECT_THAT(log_.Lines(),
+                Contains(HasSubstr(logs[0] + ": 2 messages on SPROUT_LEFT are not used: a later "
+                                             "--replay has that channel, of other frames")));
+  }
+}
+
+TEST_F(ReplayTest, SaysWhichCalibrationIsMissing) {
+  FrameId other = TestId(1);
+  other.rig_id = "other";
+  const auto as_other = [&](TestEvent event, Part part) {
+    event.data = EncodePart(other, part, DecodePart(part, event.data)->value);
+    return event;
+  };
+  const std::vector<TestEvent> others = {as_other(LeftEvent(1, 11), Part::kLeft),
+                                         as_other(TofEvent(1), Part::kTof)};
+  const std::string said =
+      "no SPROUT_RIG with the rig_id of frames, 'other'; it has '" + TestId(0).rig_id + "'";
+  WriteLog(in_, {RigEvent(0), others[0], others[1], LeftEvent(2, 10), TofEvent(2)});
+  EXPECT_EQ(Run(), 0);
+  EXPECT_THAT(report_, HasSubstr("1 incomplete"));
+  EXPECT_THAT(log_.Lines(), Contains(HasSubstr(said)));
+  WriteLog(in_, {RigEvent(0), others[0], others[1]});
+  EXPECT_EQ(ErrorOf(), "--replay " + in_ + ": " + said);
 }
 
 TEST_F(ReplayTest, SkipsABadMessageAndSaysSoInItsExitCode) {
