@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/core/answer_values.h"
 #include "common/core/image.h"
 #include "common/geometry/widened_frame.h"
 
@@ -10,7 +11,15 @@ namespace sprout::grow {
 
 GrowAdapter::Growth GrowAdapter::Grow(const Frame& frame) {
   const int columns = ColumnsBelowZero(frame.seeds->seeds);
-  if (columns == 0) return GrowFrom0(frame);
+  if (columns == 0) {
+    Growth growth = GrowFrom0(frame);
+    if (frame.prior && !growth.map.AnyValid()) {
+      // Other programs make priors, too.
+      const auto wrong = WrongDisparity(frame.prior->disparity, /*least_px=*/-1);
+      if (wrong) growth.degenerate += "; prior: " + *wrong;
+    }
+    return growth;
+  }
   Frame wide = Widened(frame, columns);
   Growth growth = GrowFrom0(wide);
   growth.columns = columns;

@@ -11,6 +11,7 @@ namespace sprout::grow {
 namespace {
 
 using testing::HasSubstr;
+using testing::MatchesRegex;
 
 Frame FlatFrame(cv::Size size) {
   Frame frame;
@@ -110,6 +111,15 @@ TEST(GrowAdapter, SaysWhyAFrameHasNoDisparity) {
   EXPECT_THAT(outcome.degenerate, HasSubstr("allowed are two of one size"));
   EXPECT_EQ(MapOf(outcome, Part::kDisparity).size(), cv::Size(40, 30));
   EXPECT_EQ(MapOf(outcome, Part::kDisparity).CountValid(), 0);
+}
+
+TEST(GrowAdapter, SaysThatNothingGrewSinceThePriorIsImpossible) {
+  GrowAdapter adapter{GrowConfig()};
+  Frame frame = FlatFrame({40, 30});
+  frame.prior->disparity.counts() = ToCounts(-3);
+  EXPECT_THAT(adapter.Process(frame).degenerate,
+              MatchesRegex("nothing grew from [0-9]+ seeds; prior: disparity -3 px at \\(0, 0\\); "
+                           "allowed is -1 to 39, or no disparity"));
 }
 
 // A camera that is covered: stereo still finds a few seeds at its border.
