@@ -99,7 +99,8 @@ std::string SilenceText(const std::vector<std::string>& needed, const MessageCou
       elsewhere.push_back(std::move(other));
   }
   std::string text = missing.empty() ? "no frame has all its messages, though every channel is "
-                                       "heard; do they come from one capture?"
+                                       "heard: have they one utime, seq and rig_id, that of "
+                                       "capture, and do they come in time?"
                                      : fmt::format("no whole frame, nothing heard on {}",
                                                    fmt::join(missing, ", "));
   text += present.empty() ? "; nothing else is heard either"

@@ -36,7 +36,8 @@ TEST(SilenceText, PointsToChannelsWithAnotherPrefix) {
 TEST(SilenceText, SaysSoWhenNothingIsHeardOrNothingIsMissing) {
   EXPECT_THAT(SilenceText({"SPROUT_LEFT"}, {}, {}), HasSubstr("nothing else is heard either"));
   EXPECT_THAT(SilenceText({"SPROUT_LEFT"}, {{"SPROUT_LEFT", 2}}, {{"SPROUT_LEFT", 2}}),
-              HasSubstr("every channel is heard; do they come from one capture?"));
+              HasSubstr("every channel is heard: have they one utime, seq and rig_id, that of "
+                        "capture, and do they come in time?"));
 }
 
 TEST(SilenceWatch, WaitsThreeIntervalsOfASlowCamera) {
