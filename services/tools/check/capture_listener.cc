@@ -251,7 +251,26 @@ void CaptureListener::CheckRigSilence(Clock::time_point now) {
                          std::chrono::duration<double>(now - *last_rig_).count()));
 }
 
-void CaptureListener::Finish(Clock::time_point now) { CheckRigSilence(now); }
+void CaptureListener::CheckUnitOfUtime() {
+  constexpr double kOtherUnit = 300;  // recordings are played faster or slower, but not so much
+  const double ratio = utime_s() / time_s();
+  if (whole_frames_ < 2 || utime_s() <= 0 || (ratio < kOtherUnit && ratio > 1 / kOtherUnit)) return;
+  found_.Add(Rule::kRising, fmt::format("utime rises by {:.3g} s in {:.3g} s; it must be in µs",
+                                        utime_s(), time_s()));
+}
+
+void CaptureListener::Finish(Clock::time_point now) {
+  CheckRigSilence(now);
+  CheckUnitOfUtime();
+}
+
+double CaptureListener::time_s() const {
+  return std::chrono::duration<double>(last_whole_ - first_whole_).count();
+}
+
+double CaptureListener::utime_s() const {
+  return static_cast<double>(last_utime_ - first_utime_) / 1e6;
+}
 
 std::string CaptureListener::HeardChannels() const {
   return channels_.empty() ? "nothing" : Joined(", ", channels_);
@@ -259,15 +278,13 @@ std::string CaptureListener::HeardChannels() const {
 
 std::string CaptureListener::Figures() const {
   if (whole_frames_ == 0) return "";
-  const double time_s = std::chrono::duration<double>(last_whole_ - first_whole_).count();
-  const double utime_s = static_cast<double>(last_utime_ - first_utime_) / 1e6;
   const auto rate = [&](double seconds) { return seconds > 0 ? (whole_frames_ - 1) / seconds : 0; };
   std::string text = fmt::format(
       "capture: {} frames of {}, {:.1f} a second; by their utime {:.1f} a second\n"
       "capture: {:.1f} ms from a frame's first message to its last in the median; the first comes "
       "{:.3g} s after utime\n",
-      whole_frames_, SizeText(size_), rate(time_s), rate(utime_s), Median(std::vector(spreads_ms_)),
-      Median(std::vector(ages_s_)));
+      whole_frames_, SizeText(size_), rate(time_s()), rate(utime_s()),
+      Median(std::vector(spreads_ms_)), Median(std::vector(ages_s_)));
   if (tof_pixels_ == 0) {
     text += "capture: no ToF image\n";
   } else {

@@ -66,6 +66,9 @@ class CaptureListener {
   void TakeRig(const Heard& heard);
   void CheckRigValues(const Rig& rig);
   void CheckRigSilence(Clock::time_point now);
+  void CheckUnitOfUtime();
+  double time_s() const;   // from the first whole frame to the last
+  double utime_s() const;  // the same by their utime
   Frame* FrameOf(Part part, const FrameId& id, Clock::time_point when);
   Frame& Begin(Part part, const FrameId& id, Clock::time_point when);
   void Complete(Frame& frame, Clock::time_point when);
