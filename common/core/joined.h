@@ -18,4 +18,10 @@ std::string Joined(std::string_view separator, const Elements& elements,
   return text;
 }
 
+/// `more` behind `text`, with "; " between the two if neither is empty.
+inline std::string JoinedTexts(std::string text, std::string_view more) {
+  if (!text.empty() && !more.empty()) text += "; ";
+  return text.append(more);
+}
+
 }  // namespace sprout

@@ -6,6 +6,8 @@
 #include <array>
 #include <cstddef>
 
+#include "common/core/joined.h"
+
 namespace sprout::inputs {
 namespace {
 
@@ -68,7 +70,7 @@ bool AnyIsBad(const Findings& findings, std::initializer_list<Question> question
 std::string BadText(const Findings& findings) {
   std::string text;
   for (const Finding& finding : findings) {
-    if (finding.verdict == Verdict::kBad) text += (text.empty() ? "" : "; ") + finding.text;
+    if (finding.verdict == Verdict::kBad) text = JoinedTexts(text, finding.text);
   }
   return text;
 }

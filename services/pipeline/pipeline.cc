@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/core/image.h"
+#include "common/core/joined.h"
 #include "common/geometry/projection.h"
 #include "services/depth/map_filter.h"
 #include "services/pipeline/chain.h"
@@ -94,14 +95,13 @@ depth::FilterRules RulesOf(const SproutConfig& config) {
 
 // How far the range sensor is off, ranges and pose.
 std::string RangeErrorOf(const ChainReport& report) {
-  std::string text = report.range_error.value_or("");
+  const std::string text = report.range_error.value_or("");
   const TofOffsetStatus& offset = report.tof_offset;
   if (!offset.is_off) return text;
-  if (!text.empty()) text += "; ";
-  return text +
-         fmt::format(
-             "range points are off by ({:.1f}, {:.1f}) px in the left image: calibrate again",
-             -offset.u_px, -offset.v_px);
+  return JoinedTexts(
+      text,
+      fmt::format("range points are off by ({:.1f}, {:.1f}) px in the left image: calibrate again",
+                  -offset.u_px, -offset.v_px));
 }
 
 }  // namespace

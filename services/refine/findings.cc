@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <vector>
 
+#include "common/core/joined.h"
 #include "common/inputs/judge_ranges.h"
 #include "services/refine/range/range_rules.h"
 
@@ -95,38 +98,85 @@ std::string RefusalText(const RefineFindings& found) {
   return "";
 }
 
-}  // namespace
+// How many standard deviations of its own a knot is off.
+double SigmasOf(const RangeKnot& knot) { return std::abs(knot.error_m) / knot.sigma_m; }
 
-std::string Joined(const std::string& text, const std::string& more) {
-  return text + (text.empty() || more.empty() ? "" : "; ") + more;
+// Nearest, most and farthest of the knots whose error the images show; in a curve that is sure only
+// as a whole, the surest of those that are off.
+std::vector<RangeKnot> ShownKnots(const std::vector<RangeKnot>& curve) {
+  constexpr double kStandardDeviations = 3;
+  std::vector<RangeKnot> sure;
+  std::ranges::copy_if(curve, std::back_inserter(sure),
+                       [](const RangeKnot& knot) { return SigmasOf(knot) > kStandardDeviations; });
+  if (sure.empty()) return {*std::ranges::max_element(curve, {}, SigmasOf)};
+  const auto most = std::ranges::max_element(
+      sure, {}, [](const RangeKnot& knot) { return std::abs(knot.error_m); });
+  std::vector<RangeKnot> shown = {sure.front()};
+  if (most != sure.begin()) shown.push_back(*most);
+  if (most + 1 < sure.end()) shown.push_back(sure.back());
+  return shown;
 }
+
+// How far the sensor is off, in mm with its standard deviation, at the nearest and the farthest
+// depth and where it is most, and what share of the points was moved. Empty for a sensor that is
+// right; nothing when the images do not show it, or contradict too many points.
+std::optional<std::string> RangeErrorText(const RangeError& error) {
+  if (error.curve.empty() || error.Refuses()) return std::nullopt;
+  const std::string moved = fmt::format("{:.0f} % of its points were moved by more than {} px",
+                                        100 * error.far_moved_share, RangeRules::kFarMovePx);
+  if (error.curve_is_zero) {
+    constexpr double kMinShare = 0.005;  // that is more than 0 %
+    if (error.far_moved_share < kMinShare) return "";
+    return "the range sensor is off as by multi-path: " + moved;
+  }
+  const std::vector<RangeKnot> shown = ShownKnots(error.curve);
+  if (SigmasOf(shown.front()) < 1) return "the range sensor is off, at no depth for sure: " + moved;
+  std::string knots;
+  for (const RangeKnot& knot : shown) {
+    knots += fmt::format("{}{:+.1f} ± {:.1f} mm at {:.2f} m", knots.empty() ? "" : ", ",
+                         1000 * knot.error_m, 1000 * knot.sigma_m, knot.depth_m);
+  }
+  const std::string same = error.same_px == 0
+                               ? ""
+                               : fmt::format(
+                                     ", about {:+.1f} px at all depths, as if not the sensor but "
+                                     "the right camera of the pair were turned",
+                                     error.same_px);
+  return fmt::format(
+      "depths of the range sensor are off by {}{}; {}. If that stays so: sprout-calibrate refine",
+      knots, same, moved);
+}
+
+}  // namespace
 
 std::string DegenerateText(const RefineFindings& found, const SeedSet& seeds, bool stereo_seeds) {
   std::string text = seeds.seeds.empty() ? NoSeedsText(seeds, stereo_seeds) : "";
-  text = Joined(text, RefusalText(found));
+  text = JoinedTexts(text, RefusalText(found));
   if (const std::optional<RangeKnot>& absurd = found.range_error.absurd) {
-    text = Joined(text, fmt::format("ranges are off by {:+.2f} m at {:.2f} m, more than a sensor "
-                                    "can be: none is believed; are their unit, the focal length "
-                                    "and the baseline right?",
-                                    absurd->error_m, absurd->depth_m));
+    text =
+        JoinedTexts(text, fmt::format("ranges are off by {:+.2f} m at {:.2f} m, more than a sensor "
+                                      "can be: none is believed; are their unit, the focal length "
+                                      "and the baseline right?",
+                                      absurd->error_m, absurd->depth_m));
   }
   if (std::abs(found.range_error.same_px) >= kSurelyOffPx) {
-    text =
-        Joined(text, fmt::format("range sensor and pair differ by about {:+.1f} px at all depths, "
-                                 "as where the right camera is turned: one frame cannot tell "
-                                 "which of them is wrong, and the images were believed",
-                                 found.range_error.same_px));
+    text = JoinedTexts(
+        text, fmt::format("range sensor and pair differ by about {:+.1f} px at all depths, "
+                          "as where the right camera is turned: one frame cannot tell "
+                          "which of them is wrong, and the images were believed",
+                          found.range_error.same_px));
   }
   if (!found.are_noise) return text;
-  return Joined(text, fmt::format("{} of {} range points differ from all around them, as noise "
-                                  "does: none is believed",
-                                  seeds.loose, seeds.raw));
+  return JoinedTexts(text,
+                     fmt::format("{} of {} range points differ from all around them, as noise "
+                                 "does: none is believed",
+                                 seeds.loose, seeds.raw));
 }
 
 std::optional<std::string> FindingText(const RefineFindings& found) {
   std::optional<std::string> text = RangeErrorText(found.range_error);
   const auto put_first = [&](const std::string& finding) {
-    text = Joined(finding, text.value_or(""));
+    text = JoinedTexts(finding, text.value_or(""));
   };
   if (!found.range_error.rejected && !found.contradiction.points.empty()) {
     put_first(ContradictionText(found.contradiction));

@@ -43,7 +43,4 @@ std::string DegenerateText(const RefineFindings& found, const SeedSet& seeds, bo
 /// show whether it is.
 std::optional<std::string> FindingText(const RefineFindings& found);
 
-/// `more` behind `text`, with "; " between the two if neither is empty.
-std::string Joined(const std::string& text, const std::string& more);
-
 }  // namespace sprout::refine

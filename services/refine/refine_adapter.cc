@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/core/image.h"
+#include "common/core/joined.h"
 #include "common/geometry/native_ranges.h"
 #include "common/geometry/widened_frame.h"
 #include "common/inputs/check_inputs.h"
@@ -197,7 +198,7 @@ StageResult RefineAdapter::ProcessNative(const Frame& frame) {
   outcome.tof_offset = OffsetOf(frame);
   // The status has the newest line alone, so one of a frame that lacks seeds has the cure, too.
   const auto add_line = [&](const std::string& line) {
-    outcome.degenerate = Joined(outcome.degenerate, line);
+    outcome.degenerate = JoinedTexts(outcome.degenerate, line);
   };
   if (CheckInput(frame) || !outcome.degenerate.empty()) add_line(wrong_input_);
   if (check_inputs_every_ > 0) {
@@ -224,7 +225,7 @@ StageResult RefineAdapter::Process(const Frame& frame) {
   const std::string enlarged = fmt::format(
       "the range image of {} pixels is one of {} that was enlarged, and is taken as that",
       SizeText(frame.tof->depth_m.size()), SizeText(native->tof.depth_m.size()));
-  result.finding = Joined(enlarged, result.finding.value_or(""));
+  result.finding = JoinedTexts(enlarged, result.finding.value_or(""));
   return result;
 }
 

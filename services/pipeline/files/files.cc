@@ -19,6 +19,7 @@
 #include "common/app/progress.h"
 #include "common/core/image.h"
 #include "common/core/input_files.h"
+#include "common/core/joined.h"
 #include "common/core/output_file.h"
 #include "common/core/printable.h"
 #include "common/geometry/projection.h"
@@ -64,7 +65,7 @@ std::string ComplaintOf(const DepthFrame& depth, std::string of_inputs) {
   constexpr double kNoPercent = 0.05;  // less is printed as 0.0
   std::string complaint = std::move(of_inputs);
   for (const std::string& warning : depth.warnings) {
-    if (!IsOfMemory(warning)) complaint += (complaint.empty() ? "" : "; ") + warning;
+    if (!IsOfMemory(warning)) complaint = JoinedTexts(complaint, warning);
   }
   const int count = cv::countNonZero(depth.depth_m == depth.depth_m);
   const auto all = static_cast<int64_t>(depth.depth_m.total());

@@ -1,11 +1,8 @@
 #include "services/refine/range/range_bias.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <opencv2/imgproc.hpp>
 
 #include "common/core/parallel.h"
@@ -25,6 +22,11 @@ constexpr uint8_t kFarFromCurve = 4;
 constexpr int kWidestReach = 8;  // of the windows around a point, cells
 constexpr int kReaches[] = {1, 2, 4, kWidestReach};
 
+// What an error of a depth is, px of disparity.
+double ErrorPx(const RectifiedPair& pair, double depth_m, double error_m) {
+  return pair.focal_px * pair.baseline_m / (depth_m * depth_m) * error_m;
+}
+
 // Moves a point along its ray, so that its disparity grows.
 void MovePoint(const RectifiedPair& pair, const Eigen::Vector3d& centre, double offset_px,
                ProjectedPoint& point) {
@@ -36,27 +38,6 @@ void MovePoint(const RectifiedPair& pair, const Eigen::Vector3d& centre, double 
   point.seed.u = moved.u;
   point.seed.v = moved.v;
   point.seed.u_right = moved.u_right;
-}
-
-constexpr double kMinShare = 0.005;  // that is more than 0 %
-
-// How many standard deviations of its own a knot is off.
-double SigmasOf(const RangeKnot& knot) { return std::abs(knot.error_m) / knot.sigma_m; }
-
-// Nearest, most and farthest of the knots whose error the images show; in a curve that is sure only
-// as a whole, the surest of those that are off.
-std::vector<RangeKnot> ShownKnots(const std::vector<RangeKnot>& curve) {
-  constexpr double kStandardDeviations = 3;
-  std::vector<RangeKnot> sure;
-  std::ranges::copy_if(curve, std::back_inserter(sure),
-                       [](const RangeKnot& knot) { return SigmasOf(knot) > kStandardDeviations; });
-  if (sure.empty()) return {*std::ranges::max_element(curve, {}, SigmasOf)};
-  const auto most = std::ranges::max_element(
-      sure, {}, [](const RangeKnot& knot) { return std::abs(knot.error_m); });
-  std::vector<RangeKnot> shown = {sure.front()};
-  if (most != sure.begin()) shown.push_back(*most);
-  if (most + 1 < sure.end()) shown.push_back(sure.back());
-  return shown;
 }
 
 // The px that a curve moves all points by, if it is known to be about the same at all depths, as of
@@ -251,86 +232,77 @@ RangeBias::PointError RangeBias::ErrorOf(const TofSurface& surface,
           .contradicted = wrong > weight / 2};
 }
 
-const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings& settings,
-                                   std::span<ProjectedPoint> points) {
+// What all points share; nothing is known of it if few nodes show anything.
+void RangeBias::FindCurve(const RangeInput& input) {
   const RectifiedPair& pair = input.rig.pair;
-  error_ = {};
-  contradicted_.assign(points.size(), 0);
-  nodes_.Set(input, points);
-  const std::span<const RangeNode> nodes = nodes_.nodes();
-  // Between a lidar's beams, and where nodes are few, slopes are not known well enough.
-  const bool has_slopes =
-      !input.coarse || (input.surface.has_pixels() && nodes.size() >= RangeRules::kFewestOfField);
-  curve_.Estimate(nodes, pair, /*stiff=*/input.coarse);
-  for (const RangeKnot& knot : curve_.knots()) {
-    const double px_per_m = pair.focal_px * pair.baseline_m / (knot.depth_m * knot.depth_m);
-    error_.curve.push_back(
-        {.depth_m = knot.depth_m,
-         .error_m = knot.error_m,
-         .sigma_m = std::hypot(knot.sigma_m, RangeRules::kCurveSharedPx / px_per_m)});
-  }
-  // What the data sheet says is all that is known where the images show nothing.
-  const auto data_sheet_px = [&](double disparity) {
-    const double depth_m = pair.DepthFromDisparity(disparity);
-    return pair.focal_px * pair.baseline_m / (depth_m * depth_m) * settings.error_m;
-  };
-  if (error_.curve.empty()) {
-    for (ProjectedPoint& point : points) {
-      point.seed.sigma_px = static_cast<float>(data_sheet_px(point.seed.disparity()));
-    }
-    return error_;
-  }
+  curve_.Estimate(nodes_.nodes(), pair, /*stiff=*/input.coarse);
   error_.curve_is_zero = curve_.is_zero();
+  for (const RangeKnot& knot : curve_.knots()) {
+    const double shared_m = RangeRules::kCurveSharedPx / ErrorPx(pair, knot.depth_m, 1);
+    error_.curve.push_back({.depth_m = knot.depth_m,
+                            .error_m = knot.error_m,
+                            .sigma_m = std::hypot(knot.sigma_m, shared_m)});
+  }
   for (const RangeKnot& knot : curve_.knots()) {
     const double least_m = std::abs(knot.error_m) - RangeRules::kSureSigmas * knot.sigma_m;
     if (!(least_m > RangeRules::kMostOfDepth * knot.depth_m)) continue;
     error_.absurd = knot;
-    contradicted_.assign(points.size(), 1);
-    return error_;
+    return;
   }
+}
+
+// What the scene adds, and which points the images contradict. Returns false where that ends the
+// estimate: nothing is to be moved.
+bool RangeBias::FindField(const RangeInput& input, const RangeSettings& settings,
+                          std::span<const ProjectedPoint> points) {
+  const RectifiedPair& pair = input.rig.pair;
+  const std::span<const RangeNode> nodes = nodes_.nodes();
   nodes_.Link();
   start_px_.clear();
   for (const RangeNode& node : nodes) start_px_.push_back(curve_.OffsetPx(pair, node.disparity));
+  // Between a lidar's beams, and where nodes are few, slopes are not known well enough.
+  const bool has_slopes =
+      !input.coarse || (input.surface.has_pixels() && nodes.size() >= RangeRules::kFewestOfField);
   const double least_share = settings.errs ? 0 : RangeRules::kMovedShare;
   field_.Estimate(nodes_, start_px_, settings.field && has_slopes ? least_share : 1);
   error_.contradicted_share = JudgeNodes();
-  if (settings.field) {
-    if (JudgePair(input, settings, points)) {
-      contradicted_.assign(points.size(), error_.rejected ? 1 : 0);
-      return error_;
-    }
-    // By then all may seem to fit: who looks far enough finds a likeness anywhere.
-    if (!error_.rows_unfit && LookAgain(input)) JudgeNodes();
-    if (!error_.rows_unfit && ShiftsRows(nodes_, NodeMoves(), pair.cx - pair.cx_right)) {
-      error_.pair_unfit = error_.rows_shifted = true;
-      error_.curve.clear();
-      return error_;
-    }
+  if (!settings.field) return true;
+  if (JudgePair(input, settings, points)) {
+    if (error_.rejected) contradicted_.assign(points.size(), 1);
+    return false;
   }
+  if (error_.rows_unfit) return true;
+  // By then all may seem to fit: who looks far enough finds a likeness anywhere.
+  if (LookAgain(input)) JudgeNodes();
+  if (!ShiftsRows(nodes_, NodeMoves(), pair.cx - pair.cx_right)) return true;
+  error_.pair_unfit = error_.rows_shifted = true;
+  error_.curve.clear();
+  return false;
+}
+
+// By what was found, and sets what may be left of the errors.
+void RangeBias::MovePoints(const RangeInput& input, const RangeSettings& settings,
+                           std::span<ProjectedPoint> points) {
+  const RectifiedPair& pair = input.rig.pair;
   // Few points can hardly show that their sensor is off; so they have to show that it is not.
   const bool is_right =
-      curve_.is_zero() && (!input.coarse || curve_.IsShownRight(nodes, pair, settings.error_m));
-  const auto curve_sigma_px = [&](double disparity) {
-    return is_right ? 0 : std::min(curve_.SigmaPx(pair, disparity), data_sheet_px(disparity));
-  };
+      curve_.is_zero() &&
+      (!input.coarse || curve_.IsShownRight(nodes_.nodes(), pair, settings.error_m));
   const bool has_field = settings.field && !error_.rows_unfit && MarkAsked();
-  if (!has_field && curve_.is_zero()) {
-    for (ProjectedPoint& point : points) {
-      point.seed.sigma_px = static_cast<float>(curve_sigma_px(point.seed.disparity()));
-    }
-    return error_;
-  }
-  moved_.assign(points.size(), 0);
   const Eigen::Vector3d centre = input.rig.tof.left_from_tof_translation_m;
+  moved_.assign(points.size(), 0);
   ForEachParallel(points.size(), [&](size_t i) {
     ProjectedPoint& point = points[i];
     const double disparity = point.seed.disparity();
-    const PointError error =
-        has_field ? ErrorOf(input.surface, point) : PointError{.variance_px2 = 0};
+    const PointError error = has_field ? ErrorOf(input.surface, point) : PointError();
     const double move_px = curve_.OffsetPx(pair, disparity) + error.offset_px;
+    const double curve_sigma_px =
+        is_right ? 0
+                 : std::min(curve_.SigmaPx(pair, disparity),
+                            ErrorPx(pair, pair.DepthFromDisparity(disparity), settings.error_m));
     contradicted_[i] = error.contradicted ? 1 : 0;
     point.seed.sigma_px =
-        static_cast<float>(std::hypot(std::sqrt(error.variance_px2), curve_sigma_px(disparity)));
+        static_cast<float>(std::hypot(std::sqrt(error.variance_px2), curve_sigma_px));
     if (move_px == 0) return;
     const auto flag = [](double px, uint8_t far) {
       return std::abs(px) > RangeRules::kFarMovePx ? far : uint8_t{0};
@@ -343,37 +315,33 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
         std::ranges::count_if(moved_, [&](uint8_t moved) { return (moved & flag) != 0; });
     return static_cast<double>(count) / static_cast<double>(std::max<size_t>(1, points.size()));
   };
-  if (!curve_.is_zero()) error_.same_px = SamePx(pair, error_.curve);
   error_.moved_share = share_of(kMoved);
   error_.far_moved_share = share_of(kMovedFar);
   error_.far_from_curve_share = share_of(kFarFromCurve);
-  return error_;
 }
 
-std::optional<std::string> RangeErrorText(const RangeError& error) {
-  if (error.curve.empty() || error.Refuses()) return std::nullopt;
-  const std::string moved = fmt::format("{:.0f} % of its points were moved by more than {} px",
-                                        100 * error.far_moved_share, RangeRules::kFarMovePx);
-  if (error.curve_is_zero) {
-    if (error.far_moved_share < kMinShare) return "";
-    return "the range sensor is off as by multi-path: " + moved;
+const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings& settings,
+                                   std::span<ProjectedPoint> points) {
+  const RectifiedPair& pair = input.rig.pair;
+  error_ = {};
+  contradicted_.assign(points.size(), 0);
+  nodes_.Set(input, points);
+  FindCurve(input);
+  if (error_.curve.empty()) {  // what the data sheet says is all that is known
+    for (ProjectedPoint& point : points) {
+      const double depth_m = pair.DepthFromDisparity(point.seed.disparity());
+      point.seed.sigma_px = static_cast<float>(ErrorPx(pair, depth_m, settings.error_m));
+    }
+    return error_;
   }
-  const std::vector<RangeKnot> shown = ShownKnots(error.curve);
-  if (SigmasOf(shown.front()) < 1) return "the range sensor is off, at no depth for sure: " + moved;
-  std::string knots;
-  for (const RangeKnot& knot : shown) {
-    knots += fmt::format("{}{:+.1f} ± {:.1f} mm at {:.2f} m", knots.empty() ? "" : ", ",
-                         1000 * knot.error_m, 1000 * knot.sigma_m, knot.depth_m);
+  if (error_.absurd) {
+    contradicted_.assign(points.size(), 1);
+    return error_;
   }
-  const std::string same = error.same_px == 0
-                               ? ""
-                               : fmt::format(
-                                     ", about {:+.1f} px at all depths, as if not the sensor but "
-                                     "the right camera of the pair were turned",
-                                     error.same_px);
-  return fmt::format(
-      "depths of the range sensor are off by {}{}; {}. If that stays so: sprout-calibrate refine",
-      knots, same, moved);
+  if (!FindField(input, settings, points)) return error_;
+  MovePoints(input, settings, points);
+  if (!curve_.is_zero()) error_.same_px = SamePx(pair, error_.curve);
+  return error_;
 }
 
 }  // namespace sprout::refine

@@ -5,7 +5,6 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "common/core/rig.h"
@@ -74,6 +73,11 @@ class RangeBias {
     bool contradicted = false;
   };
 
+  void FindCurve(const RangeInput& input);
+  bool FindField(const RangeInput& input, const RangeSettings& settings,
+                 std::span<const ProjectedPoint> points);
+  void MovePoints(const RangeInput& input, const RangeSettings& settings,
+                  std::span<ProjectedPoint> points);
   bool LookAgain(const RangeInput& input);
   double JudgeNodes();
   bool JudgePair(const RangeInput& input, const RangeSettings& settings,
@@ -94,11 +98,5 @@ class RangeBias {
   std::vector<uint8_t> contradicted_;
   std::vector<uint8_t> moved_;
 };
-
-/// One line for people: how far the sensor is off, in mm with its standard deviation, at the
-/// nearest and the farthest depth and where it is most, and what share of the points was moved.
-/// @returns empty for a sensor that is right; nothing when the images do not show it, or contradict
-///          too many points.
-std::optional<std::string> RangeErrorText(const RangeError& error);
 
 }  // namespace sprout::refine

@@ -5,10 +5,15 @@
 #include <string>
 
 #include "services/refine/findings.h"
-#include "services/refine/range/range_bias.h"
 
 namespace sprout::refine {
 namespace {
+
+std::optional<std::string> TextOf(const RangeError& error) {
+  RefineFindings found;
+  found.range_error = error;
+  return FindingText(found);
+}
 
 TEST(RangeText, SaysWhatTheSensorIsOffByInMillimetresAndWhatShareWasMoved) {
   const RangeError error{.curve = {{0.9, 0.001, 0.002},  // not sure
@@ -18,7 +23,7 @@ TEST(RangeText, SaysWhatTheSensorIsOffByInMillimetresAndWhatShareWasMoved) {
                                    {2.5, 0.02, std::numeric_limits<double>::infinity()}},
                          .curve_is_zero = false,
                          .far_moved_share = 0.634};
-  EXPECT_EQ(RangeErrorText(error),
+  EXPECT_EQ(TextOf(error),
             "depths of the range sensor are off by +10.2 ± 0.8 mm at 1.20 m, -15.1 ± 0.5 mm at "
             "1.60 m, +8.0 ± 1.0 mm at 2.00 m; 63 % of its points were moved by more than "
             "0.25 px. If that stays so: sprout-calibrate refine");
@@ -29,7 +34,7 @@ TEST(RangeText, NamesThePairWhereAllIsOffByTheSamePx) {
                          .curve_is_zero = false,
                          .same_px = 1.96,
                          .far_moved_share = 1};
-  EXPECT_EQ(RangeErrorText(error),
+  EXPECT_EQ(TextOf(error),
             "depths of the range sensor are off by +10.2 ± 0.8 mm at 1.20 m, +40.8 ± 1.6 mm at "
             "2.40 m, about +2.0 px at all depths, as if not the sensor but the right camera of the "
             "pair were turned; 100 % of its points were moved by more than 0.25 px. If that stays "
@@ -63,32 +68,32 @@ TEST(RangeText, SaysEachDepthOnceAndTheSurestIfNoneIsSure) {
   RangeError error{.curve = {{1.2, 0.0102, 0.0008}, {1.6, 0.005, 0.0005}},
                    .curve_is_zero = false,
                    .far_moved_share = 1};
-  const std::string two = RangeErrorText(error).value();
+  const std::string two = TextOf(error).value();
   EXPECT_NE(two.find("by +10.2 ± 0.8 mm at 1.20 m, +5.0 ± 0.5 mm at 1.60 m; 100 %"),
             std::string::npos)
       << two;
   error.curve = {{1.2, 0.002, 0.002}, {1.6, 0.002, 0.001}, {2.0, 0, 0.0005}};
-  const std::string one = RangeErrorText(error).value();
+  const std::string one = TextOf(error).value();
   EXPECT_NE(one.find("by +2.0 ± 1.0 mm at 1.60 m; 100 %"), std::string::npos) << one;
   // Nothing to calibrate.
   error.curve = {{1.2, 0.002, 0.003}, {1.6, 0, 0.001}};
-  EXPECT_EQ(RangeErrorText(error),
+  EXPECT_EQ(TextOf(error),
             "the range sensor is off, at no depth for sure: 100 % of its points were moved by more "
             "than 0.25 px");
 }
 
 TEST(RangeText, TellsNothingKnownFromNothingWrongAndFromWhatTheSceneAdds) {
-  EXPECT_EQ(RangeErrorText({}), std::nullopt);
+  EXPECT_EQ(TextOf({}), std::nullopt);
   RangeError error{.curve = {{1.2, 0, 0.001}}};
-  EXPECT_EQ(RangeErrorText(error), "");
+  EXPECT_EQ(TextOf(error), "");
   error.far_moved_share = 0.004;
-  EXPECT_EQ(RangeErrorText(error), "");
+  EXPECT_EQ(TextOf(error), "");
   error.far_moved_share = 0.2;
-  EXPECT_EQ(RangeErrorText(error),
+  EXPECT_EQ(TextOf(error),
             "the range sensor is off as by multi-path: 20 % of its points were moved by more than "
             "0.25 px");
   error.rejected = true;
-  EXPECT_EQ(RangeErrorText(error), std::nullopt);
+  EXPECT_EQ(TextOf(error), std::nullopt);
 }
 
 }  // namespace
