@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "common/core/image.h"
 #include "common/core/quantile.h"
 #include "common/inputs/judge_images.h"
 #include "common/inputs/occlusion_order.h"
@@ -46,13 +45,6 @@ struct PairRules {
   /// Right over left or left over right: 0.83 (ETH3D's playground) to 1.01 in good pairs. At 0.8
   /// preset `fast` loses most of its pixels, from 0.7 on `default` much confidence (NOTES.md).
   static constexpr double kMaxContrast = 1.23;
-  /// Where hardly anything is in both images: how much neighbours differ in one of them over how
-  /// much in the other, on a level four times coarser; in good pairs at most 1.28.
-  static constexpr double kSharper = 1.5;
-  /// And by how much more that is on a level twice as fine; in good pairs at most 1.12, of images
-  /// blurred by 4 px and more 1.16 to 1.85.
-  static constexpr double kSharperFiner = 1.25;
-  static constexpr double kLeastSharp = 0.5;  ///< grey levels; less is noise
   /// The same picture twice: so many of the matches are at one place, to so many px, also where one
   /// of them was blurred or compressed to a tenth. Of a pair only what is thousands of baselines
   /// away is.
@@ -281,38 +273,6 @@ double WindowContrast(const cv::Mat1b& image, const cv::Point2d& at) {
   return sigma[0];
 }
 
-// How much neighbours in a row differ, grey levels.
-double SharpnessOf(const cv::Mat1b& image) {
-  const int last = image.cols - 1;
-  return cv::norm(image.colRange(0, last), image.colRange(1, last + 1), cv::NORM_L1) /
-         static_cast<double>(image.total());
-}
-
-// One image may be too blurred for corners to have partners in it. Then it has less contrast on
-// fine levels, and the less, the finer they are; other things have the same less on all of them.
-Finding JudgeBlur(const cv::Mat1b& left, const cv::Mat1b& right) {
-  Finding finding = CannotTell(Question::kContrast);
-  const cv::Mat1b fine_left = Halved(left);
-  const cv::Mat1b fine_right = Halved(right);
-  const double of_left = SharpnessOf(Halved(fine_left));
-  const double of_right = SharpnessOf(Halved(fine_right));
-  if (!(std::min(of_left, of_right) > PairRules::kLeastSharp)) return finding;
-  const double ratio = of_right / of_left;
-  const double finer = SharpnessOf(fine_right) / SharpnessOf(fine_left) / ratio;
-  const double side = ratio < 1 ? -1 : 1;
-  if (side * std::log(ratio) < std::log(PairRules::kSharper) ||
-      side * std::log(finer) < std::log(PairRules::kSharperFiner)) {
-    return finding;
-  }
-  finding.verdict = Verdict::kBad;
-  finding.value = ratio;
-  finding.text = fmt::format(
-      "the {} image is blurred: neighbouring pixels differ {:.2f} times as much in the right one "
-      "as in the left one; is it out of focus, or did it move while it was exposed?",
-      ratio < 1 ? "right" : "left", ratio);
-  return finding;
-}
-
 // The contrast of the right image over that of the left one, by what both show.
 Finding JudgeContrast(const cv::Mat1b& left, const cv::Mat1b& right, const PairModel& model) {
   std::vector<double> logs;
@@ -323,7 +283,9 @@ Finding JudgeContrast(const cv::Mat1b& left, const cv::Mat1b& right, const PairM
       logs.push_back(std::log(of_right / of_left));
     }
   }
-  if (logs.size() < PairRules::kFewInliers) return JudgeBlur(left, right);
+  if (logs.size() < PairRules::kFewInliers) {
+    return FindBlur(left, right).value_or(CannotTell(Question::kContrast));
+  }
   Finding finding{.question = Question::kContrast};
   const Estimate log = MedianOf(std::move(logs));
   finding.value = std::exp(log.value);
@@ -348,9 +310,8 @@ bool ShowOneScene(const PairModel& model) {
 Findings JudgePair(const cv::Mat1b& left, const cv::Mat1b& right, const RectifiedPair& pair,
                    const Matches& matches, const PairModel& model, const RangeModel* ranges) {
   Findings findings = {JudgeScene(matches, model)};
-  const bool has_matches =
-      model.inliers.size() >= PairRules::kFewInliers && findings[0].verdict != Verdict::kBad;
-  if (has_matches) {
+  const bool is_one_scene = findings[0].verdict != Verdict::kBad;
+  if (is_one_scene && model.inliers.size() >= PairRules::kFewInliers) {
     findings.push_back(JudgeTime(model));
     findings.push_back(JudgeSides(left, right, pair, model, ranges));
     findings.push_back(JudgeRows(model, left.cols));
@@ -360,9 +321,8 @@ Findings JudgePair(const cv::Mat1b& left, const cv::Mat1b& right, const Rectifie
     }
   }
   findings.push_back(JudgeBits(left, right));
-  findings.push_back(has_matches                            ? JudgeContrast(left, right, model)
-                     : findings[0].verdict == Verdict::kBad ? CannotTell(Question::kContrast)
-                                                            : JudgeBlur(left, right));
+  findings.push_back(is_one_scene ? JudgeContrast(left, right, model)
+                                  : CannotTell(Question::kContrast));
   return findings;
 }
 
