@@ -7,6 +7,7 @@
 #include "common/core/parallel.h"
 #include "common/core/quantile.h"
 #include "common/core/window_sums.h"
+#include "services/refine/surface/plane_sums.h"
 
 namespace sprout::refine {
 namespace {
@@ -120,11 +121,30 @@ bool RangeNodes::View::Hides(double u, double v, double disparity, double tolera
          double{nearest(cell)} > disparity + tolerance_px;
 }
 
+// Takes a point for its cell if it has more texture than those before, and no surface hides it.
+void RangeNodes::Offer(const RangeInput& input, const ProjectedPoint& point, size_t index) {
+  const TofSurface& surface = input.surface;
+  const cv::Point cell = surface.CellOf(point) / side_;
+  const Seed& seed = point.seed;
+  const float texture = TextureAt(input.left, seed);
+  if (!(texture > texture_(cell))) return;
+  // Planes of one surface differ by their noise, too.
+  const double tolerance_px = RangeRules::kSurfacePx + RangeRules::kNoiseSigmas * input.noise_px;
+  const TofSurface::Plane plane = surface.PlaneOf(point, tolerance_px);
+  const double nearer_px = tolerance_px + 1.5 * (std::abs(plane.slope.x) * surface.column_px() +
+                                                 std::abs(plane.slope.y) * surface.row_px());
+  if (plane.has_nearer || left_.Hides(seed.u, seed.v, plane.disparity, nearer_px) ||
+      right_.Hides(seed.u_right, seed.v, plane.disparity, nearer_px)) {
+    return;
+  }
+  texture_(cell) = texture;
+  index_(cell) = static_cast<int>(index);
+  planes_[index] = plane;
+}
+
 void RangeNodes::Set(const RangeInput& input, std::span<const ProjectedPoint> points) {
   const RectifiedPair& pair = input.rig.pair;
   const TofSurface& surface = input.surface;
-  // Planes of one surface differ by their noise, too.
-  const double tolerance_px = RangeRules::kSurfacePx + RangeRules::kNoiseSigmas * input.noise_px;
   RunBoth([&] { left_.Set(pair, surface, points, &Seed::u); },
           [&] { right_.Set(pair, surface, points, &Seed::u_right); });
   side_ = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(points.size()) /
@@ -135,22 +155,6 @@ void RangeNodes::Set(const RangeInput& input, std::span<const ProjectedPoint> po
   index_ = -1;
   texture_ = 0;
   planes_.resize(points.size());
-  const auto choose = [&](size_t i) {
-    const cv::Point cell = surface.CellOf(points[i]) / side_;
-    const Seed& seed = points[i].seed;
-    const float texture = TextureAt(input.left, seed);
-    if (!(texture > texture_(cell))) return;
-    const TofSurface::Plane plane = surface.PlaneOf(points[i], tolerance_px);
-    const double nearer_px = tolerance_px + 1.5 * (std::abs(plane.slope.x) * surface.column_px() +
-                                                   std::abs(plane.slope.y) * surface.row_px());
-    if (plane.has_nearer || left_.Hides(seed.u, seed.v, plane.disparity, nearer_px) ||
-        right_.Hides(seed.u_right, seed.v, plane.disparity, nearer_px)) {
-      return;
-    }
-    texture_(cell) = texture;
-    index_(cell) = static_cast<int>(i);
-    planes_[i] = plane;
-  };
   // Points come row by row, and no two rows of cells share any.
   ForEachParallel(static_cast<size_t>(size_.height), [&](size_t row) {
     const auto begin_of = [&](int y) {
@@ -161,7 +165,7 @@ void RangeNodes::Set(const RangeInput& input, std::span<const ProjectedPoint> po
     };
     const int y = static_cast<int>(row);
     const size_t end = begin_of(y + 1);
-    for (size_t i = begin_of(y); i < end; ++i) choose(i);
+    for (size_t i = begin_of(y); i < end; ++i) Offer(input, points[i], i);
   });
   nodes_.clear();
   for (int y = 0; y < size_.height; ++y) {
@@ -183,19 +187,12 @@ void RangeNodes::Set(const RangeInput& input, std::span<const ProjectedPoint> po
 }
 
 cv::Point2d RangeNodes::SlopeOf(size_t node, std::span<const double> offsets_px) const {
-  // One px² more keeps nodes in a line solvable.
-  double xx = 1, xy = 0, yy = 1, xo = 0, yo = 0;
+  SlopeSums sums(1);  // px²
   for (const uint32_t other : SurfaceAround(node)) {
     const cv::Point2d way = nodes_[other].at - nodes_[node].at;
-    const double off = offsets_px[other] - offsets_px[node];
-    xx += way.x * way.x;
-    xy += way.x * way.y;
-    yy += way.y * way.y;
-    xo += way.x * off;
-    yo += way.y * off;
+    sums.Add(1, way.x, way.y, offsets_px[other] - offsets_px[node]);
   }
-  const double det = xx * yy - xy * xy;
-  return {(yy * xo - xy * yo) / det, (xx * yo - xy * xo) / det};
+  return sums.Slope();
 }
 
 void RangeNodes::Move(const RangeInput& input, std::span<const double> offsets_px) {

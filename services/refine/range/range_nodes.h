@@ -105,6 +105,7 @@ class RangeNodes {
     bool Hides(double u, double v, double disparity, double tolerance_px) const;
   };
 
+  void Offer(const RangeInput& input, const ProjectedPoint& point, size_t index);
   void Compare(const cv::Mat1b& left, const cv::Mat1b& right);
 
   // The nodes of the 3×3 cells around one that share its surface: `count` of them, and a bit each.

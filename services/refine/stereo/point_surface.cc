@@ -6,6 +6,7 @@
 
 #include "common/core/parallel.h"
 #include "services/refine/stereo/stereo_rules.h"
+#include "services/refine/surface/plane_sums.h"
 
 namespace sprout::refine {
 namespace {
@@ -22,31 +23,12 @@ struct Quadrant {
 };
 constexpr Quadrant kQuadrants[] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
 
-// The least-squares plane through points, at the origin: its disparity there.
-class PlaneAtOrigin {
- public:
-  void Add(double weight, double x, double y, double d) {
-    n_ += weight;
-    x_ += weight * x;
-    y_ += weight * y;
-    d_ += weight * d;
-    xx_ += weight * x * x;
-    xy_ += weight * x * y;
-    yy_ += weight * y * y;
-    xd_ += weight * x * d;
-    yd_ += weight * y * d;
-  }
-
-  double Disparity() const {
-    const double determinant = xx_ * yy_ - xy_ * xy_;
-    const double p = (yy_ * x_ - xy_ * y_) / determinant;
-    const double q = (xx_ * y_ - xy_ * x_) / determinant;
-    return (d_ - p * xd_ - q * yd_) / (n_ - p * x_ - q * y_);
-  }
-
- private:
-  double n_ = 0, x_ = 0, y_ = 0, d_ = 0, xx_ = kRegular, xy_ = 0, yy_ = kRegular, xd_ = 0, yd_ = 0;
-};
+// The disparity of the least-squares plane through points, at the origin.
+double DisparityAtOrigin(const PlaneSums& sums) {
+  const cv::Point2d p = sums.slopes.SlopeOf(sums.x, sums.y);
+  return (sums.d - p.x * sums.slopes.xd - p.y * sums.slopes.yd) /
+         (sums.n - p.x * sums.x - p.y * sums.y);
+}
 
 }  // namespace
 
@@ -98,10 +80,10 @@ PointSurface::Around PointSurface::AroundCell(cv::Point cell) const {
 }
 
 // Eq. (M2), by iteratively reweighted least squares.
-PointSurface::Slope PointSurface::SlopeAt(const Seed& seed, const Around& around) const {
-  Slope slope;
+cv::Point2d PointSurface::SlopeAt(const Seed& seed, const Around& around) const {
+  cv::Point2d slope;
   for (const double wider : {StereoRules::kFirstScale, 1.0, 1.0}) {
-    double xx = kRegular, xy = 0, yy = kRegular, xd = 0, yd = 0;
+    SlopeSums sums(kRegular);
     for (const int index : around) {
       if (index == kNone) continue;
       const double x = double{SeedOf(index).u} - seed.u;
@@ -109,16 +91,10 @@ PointSurface::Slope PointSurface::SlopeAt(const Seed& seed, const Around& around
       const double d = double{SeedOf(index).disparity()} - seed.disparity();
       const double scale_px = wider * std::max(StereoRules::kPlaneScalePx,
                                                StereoRules::kPlaneScalePerPx * std::hypot(x, y));
-      const double residual_px = d - slope.across * x - slope.down * y;
-      const double weight = 1 / (Square(1 + Square(residual_px / scale_px)) * (x * x + y * y));
-      xx += weight * x * x;
-      xy += weight * x * y;
-      yy += weight * y * y;
-      xd += weight * x * d;
-      yd += weight * y * d;
+      const double residual_px = d - slope.x * x - slope.y * y;
+      sums.Add(1 / (Square(1 + Square(residual_px / scale_px)) * (x * x + y * y)), x, y, d);
     }
-    const double determinant = xx * yy - xy * xy;
-    slope = {(yy * xd - xy * yd) / determinant, (xx * yd - xy * xd) / determinant};
+    slope = sums.Slope();
   }
   return slope;
 }
@@ -161,9 +137,9 @@ double PointSurface::OffPx(cv::Point cell, double disparity_px) const {
   for (const int index : AroundCell(cell)) {
     if (index == kNone) continue;
     const Seed& seed = SeedOf(index);
-    const Slope& slope = slopes_[static_cast<size_t>(index)];
+    const cv::Point2d& slope = slopes_[static_cast<size_t>(index)];
     const double here =
-        seed.disparity() + slope.across * (centre.x - seed.u) + slope.down * (centre.y - seed.v);
+        seed.disparity() + slope.x * (centre.x - seed.u) + slope.y * (centre.y - seed.v);
     off_px = std::min(off_px, std::abs(here - disparity_px));
   }
   return off_px;
@@ -186,7 +162,7 @@ double PointSurface::SigmaPx(cv::Point cell) const {
   double nearest_px2 = kInfinite;
   double weights = 0;
   double noise = 0;
-  PlaneAtOrigin plane;
+  PlaneSums plane(kRegular);
   for_each([&](int index, const cv::Point2d& off, double weight) {
     ++sectors;
     nearest_px2 = std::min(nearest_px2, off.dot(off));
@@ -202,9 +178,9 @@ double PointSurface::SigmaPx(cv::Point cell) const {
   if (sectors == 3) variance += beyond / 4;
   double disagreement = 0;
   for_each([&](int index, const cv::Point2d& off, double weight) {
-    const Slope& slope = slopes_[static_cast<size_t>(index)];
-    const double here = SeedOf(index).disparity() - slope.across * off.x - slope.down * off.y;
-    disagreement += weight * Square(here - plane.Disparity());
+    const cv::Point2d& slope = slopes_[static_cast<size_t>(index)];
+    const double here = SeedOf(index).disparity() - slope.x * off.x - slope.y * off.y;
+    disagreement += weight * Square(here - DisparityAtOrigin(plane));
   });
   return std::sqrt(variance + disagreement / weights);
 }

@@ -59,10 +59,6 @@ class PointSurface {
  private:
   static constexpr int kNone = -1;
   static constexpr size_t kSectors = 4;
-  struct Slope {
-    double across = 0;
-    double down = 0;
-  };
   // The nearest seed in each of four sectors around a cell, or kNone.
   using Around = std::array<int, kSectors>;
 
@@ -72,13 +68,13 @@ class PointSurface {
   void FindNearest(size_t quadrant);
   void FindSlopes(const cv::Mat1b& asked);
   Around AroundCell(cv::Point cell) const;
-  Slope SlopeAt(const Seed& seed, const Around& around) const;
+  cv::Point2d SlopeAt(const Seed& seed, const Around& around) const;
 
   std::span<const Seed> seeds_;
   CellGrid grid_{1, {1, 1}};
   cv::Mat1i own_;  // the seed in a cell, of several the one in the middle
   std::array<cv::Mat1i, kSectors> quadrant_;  // the nearest seed there, the cell's own included
-  std::vector<Slope> slopes_;                 // at the seeds around what is asked, px a px
+  std::vector<cv::Point2d> slopes_;           // at the seeds around what is asked, px a px
 };
 
 }  // namespace sprout::refine

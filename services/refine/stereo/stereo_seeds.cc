@@ -9,6 +9,7 @@
 #include "common/core/image.h"
 #include "common/core/parallel.h"
 #include "services/refine/stereo/patch_matcher.h"
+#include "services/refine/surface/plane_sums.h"
 
 namespace sprout::refine {
 namespace {
@@ -31,28 +32,6 @@ struct Surface {
   cv::Point2d slope;  // px a px
 };
 
-// Sums over pairs of opposite pixels, for the slope that they agree on most.
-struct SlopeSums {
-  double xx = 0, xy = 0, yy = 0, xd = 0, yd = 0;
-
-  // @param rise  from the pixel at (−x, −y) to the one at (x, y), halved.
-  void Add(double x, double y, double rise) {
-    xx += x * x;
-    xy += x * y;
-    yy += y * y;
-    xd += x * rise;
-    yd += y * rise;
-  }
-
-  // Least squares; small where pairs on one line say nothing of the direction across.
-  cv::Point2d Slope() const {
-    const double a = xx + 1;
-    const double b = yy + 1;
-    const double det = a * b - xy * xy;
-    return {(b * xd - xy * yd) / det, (a * yd - xy * xd) / det};
-  }
-};
-
 // The surface at a pixel, from the means of pixels that lie opposite each other, so that its slant
 // does not count. Nothing beside a depth edge, or where few disparities are known.
 std::optional<Surface> SurfaceAt(const cv::Mat1f& map, int u, int v) {
@@ -62,7 +41,7 @@ std::optional<Surface> SurfaceAt(const cv::Mat1f& map, int u, int v) {
   double sum = 0;
   double squares = 0;
   int pairs = 0;
-  SlopeSums slopes;
+  SlopeSums slopes(1);  // of pairs; those on one line say nothing of the direction across
   for (int y = 0; y <= kReach; ++y) {
     for (int x = y == 0 ? 0 : -kReach; x <= kReach; ++x) {
       const float one = map(v + y, u + x);
@@ -75,7 +54,7 @@ std::optional<Surface> SurfaceAt(const cv::Mat1f& map, int u, int v) {
       sum += off;
       squares += off * off;
       ++pairs;
-      slopes.Add(x, y, (double{one} - opposite) / 2);
+      slopes.Add(1, x, y, (double{one} - opposite) / 2);
     }
   }
   if (pairs < StereoRules::kFewestPairs) return {};

@@ -5,6 +5,7 @@
 
 #include "common/core/quantile.h"
 #include "common/core/window_sums.h"
+#include "services/refine/surface/plane_sums.h"
 #include "services/refine/surface/surface_rules.h"
 
 namespace sprout::refine {
@@ -17,34 +18,16 @@ double Difference(const cv::Mat1b& left, const cv::Mat1b& right, cv::Point at_le
   return squares == 0 ? 0 : static_cast<double>(squares - 2 * sums.products) / squares;
 }
 
-// The least-squares plane through cells around (0, 0): sums over them.
-struct PlaneSums {
-  double n = 0, x = 0, y = 0, xx = 1e-3, yy = 1e-3, xy = 0, d = 0, xd = 0, yd = 0;
-
-  void Add(int across, int down, double disparity) {
-    n += 1;
-    x += across;
-    y += down;
-    xx += across * across;
-    yy += down * down;
-    xy += across * down;
-    d += disparity;
-    xd += across * disparity;
-    yd += down * disparity;
-  }
-
-  // Its slopes a cell; 0 where all cells lie on one line. @pre n > 0.
-  cv::Point2d Slope() const {
-    const double sxx = xx - x * x / n;
-    const double syy = yy - y * y / n;
-    const double sxy = xy - x * y / n;
-    const double sxd = xd - x * d / n;
-    const double syd = yd - y * d / n;
-    const double det = sxx * syy - sxy * sxy;
-    if (!(det > 1e-2)) return {};
-    return {(syy * sxd - sxy * syd) / det, (sxx * syd - sxy * sxd) / det};
-  }
-};
+// The slopes a cell of the plane through cells; 0 where all lie on one line. @pre sums.n > 0.
+cv::Point2d SlopeOf(const PlaneSums& sums) {
+  SlopeSums centred(0);
+  centred.xx = sums.slopes.xx - sums.x * sums.x / sums.n;
+  centred.yy = sums.slopes.yy - sums.y * sums.y / sums.n;
+  centred.xy = sums.slopes.xy - sums.x * sums.y / sums.n;
+  centred.xd = sums.slopes.xd - sums.x * sums.d / sums.n;
+  centred.yd = sums.slopes.yd - sums.y * sums.d / sums.n;
+  return centred.Determinant() > 1e-2 ? centred.Slope() : cv::Point2d();
+}
 
 }  // namespace
 
@@ -205,7 +188,7 @@ TofSurface::Plane TofSurface::PlaneOf(const ProjectedPoint& point, double tolera
   const double rise_across = step(1);
   const double rise_down = step(stride_);
   Plane plane;
-  PlaneSums sums;  // of what the cells around are off the plane of the gentlest steps
+  PlaneSums sums(1e-3);  // of what the cells around are off the plane of the gentlest steps
   for (int down = -1; down <= 1; ++down) {
     const float* row = at + down * stride_;
     for (int across = -1; across <= 1; ++across) {
@@ -216,7 +199,7 @@ TofSurface::Plane TofSurface::PlaneOf(const ProjectedPoint& point, double tolera
         (off > 0 ? plane.has_nearer : plane.has_farther) = true;
         continue;
       }
-      sums.Add(across, down, off);
+      sums.Add(1, across, down, off);
     }
   }
   // A nearer point of its cell stands in for it, and nothing else lies on its surface.
@@ -224,7 +207,7 @@ TofSurface::Plane TofSurface::PlaneOf(const ProjectedPoint& point, double tolera
     plane.disparity = double{here};
     return plane;
   }
-  const cv::Point2d slope = sums.Slope();
+  const cv::Point2d slope = SlopeOf(sums);
   plane.disparity = double{here} + (sums.d - slope.x * sums.x - slope.y * sums.y) / sums.n;
   plane.slope = {(rise_across + slope.x) / column_px_, (rise_down + slope.y) / row_px_};
   return plane;
