@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/core/prior_map.h"
+#include "common/core/quantile.h"
 
 namespace sprout {
 namespace {
@@ -50,9 +51,7 @@ cv::Mat1b ShownByRanges(const DepthFrame& depth) {
     before = &seed;
   }
   if (steps_px.empty()) return cv::Mat1b(shown.size(), uint8_t{0});
-  const auto middle = steps_px.begin() + std::ssize(steps_px) / 2;
-  std::ranges::nth_element(steps_px, middle);
-  const int side = 2 * static_cast<int>(std::ceil(*middle)) + 1;
+  const int side = 2 * static_cast<int>(std::ceil(Median(steps_px))) + 1;
   const cv::Mat around = cv::Mat::ones(side, side, CV_8U);
   cv::dilate(shown, shown, around);
   cv::dilate(matched, matched, around);

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/core/quantile.h"
 #include "services/refine/range/range_rules.h"
 
 namespace sprout::refine {
@@ -39,10 +40,9 @@ double LeftOver(std::vector<PlaceOffset>& offsets, double PlaceOffset::*band_by,
         all.subspan(begin, all.size() * (band + 1) / bands - begin);
     ratios.clear();
     for (const PlaceOffset& offset : part) ratios.push_back(offset.offset_px / shape(offset));
-    const auto middle = ratios.begin() + std::ssize(ratios) / 2;
-    std::ranges::nth_element(ratios, middle);
+    const double middle = Median(ratios);
     for (const PlaceOffset& offset : part) {
-      const double left_px = std::abs(offset.offset_px - *middle * shape(offset));
+      const double left_px = std::abs(offset.offset_px - middle * shape(offset));
       sum += offset.weight * std::min(left_px, RangeRules::kMostLeftPx);
       weight += offset.weight;
     }
