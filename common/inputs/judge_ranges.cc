@@ -96,7 +96,7 @@ bool IsScaled(const RangeModel& model) {
   const Agreement& scaled = model.scaled;
   return scaled.compared >= RangeVerdicts::kFewCompared && scaled.share() >= RangeVerdicts::kHalf &&
          scaled.share() - model.as_is.share() >= RangeVerdicts::kScaledGain &&
-         std::abs(std::log(scaled.factor)) > RangeVerdicts::kMinFactor &&
+         std::abs(std::log(scaled.with.factor)) > RangeVerdicts::kMinFactor &&
          scaled.agreeing >= model.turned.agreeing && scaled.close >= model.moved.close &&
          // If ranges are far off, none of them may be comparable.
          (model.as_is.compared < RangeVerdicts::kFewCompared ||
@@ -128,7 +128,7 @@ bool IsTurned(const RangeModel& model) {
 bool IsMoved(const RangeModel& model) {
   const Agreement& moved = model.moved;
   return moved.compared >= RangeVerdicts::kSomeCompared &&
-         std::abs(moved.ahead_m) >= RangeVerdicts::kMinMoveM &&
+         std::abs(moved.with.ahead_m) >= RangeVerdicts::kMinMoveM &&
          moved.close_share() >= RangeVerdicts::kGood &&
          moved.close_share() - model.as_is.close_share() >= RangeVerdicts::kMovedGain &&
          MoreAgree(moved, model.as_is, Vote::kIsClose) >= RangeVerdicts::kMovedSure;
@@ -235,14 +235,14 @@ Finding JudgePlace(const RangeModel& model) {
     finding.text = fmt::format(
         "the range image is {} (then ranges agree with stereo at {:.0f} % of "
         "the matches, as it is at {:.0f} %)",
-        NameOf(model.turned.turn), 100 * model.turned.share(), 100 * as_is.share());
+        NameOf(model.turned.with.turn), 100 * model.turned.share(), 100 * as_is.share());
   } else if (IsElsewhere(model, model.shifted) && !IsSpread(model)) {
     finding.verdict = Verdict::kBad;
     finding.text = fmt::format(
         "range points belong about {} in the left image (there {:.0f} % of them are within 1 % of "
         "stereo, where they are {:.0f} %): how does the range sensor lie in the rig? "
         "sprout-calibrate refine",
-        MoveText(model.shifted.move_px), 100 * model.shifted.close_share(),
+        MoveText(model.shifted.with.move_px), 100 * model.shifted.close_share(),
         100 * as_is.close_share());
   } else if (as_is.compared >= RangeVerdicts::kFewCompared &&
              as_is.share() >= RangeVerdicts::kHalf && AreApart(as_is, model.turned)) {
@@ -284,7 +284,7 @@ Finding JudgeScale(const RangeModel& model, bool is_turned) {
         "the range image has {} times the field of view that it is taken for (then {:.0f} % of its "
         "points are within 1 % of stereo, as it is {:.0f} %): give the sensor's own lens "
         "(--tof-rig, CameraInfo)",
-        SpreadText(model.spread.spread), 100 * model.spread.close_share(),
+        SpreadText(model.spread.with.spread), 100 * model.spread.close_share(),
         100 * model.as_is.close_share());
   } else if (!is_turned && model.as_is.compared >= RangeVerdicts::kFewCompared &&
              model.as_is.share() >= RangeVerdicts::kGood) {
@@ -316,8 +316,8 @@ Finding JudgeMoment(const RangeModel& model, bool is_explained) {
         "ranges and images disagree at {:.0f} ± {:.0f} % of the points, and fit from {:.1f} m "
         "further {}: is the range image of another moment (time stamps), or its sensor's place in "
         "the rig wrong?",
-        100 * (1 - as_is.close_share()), finding.sigma, std::abs(model.moved.ahead_m),
-        model.moved.ahead_m > 0 ? "ahead" : "back");
+        100 * (1 - as_is.close_share()), finding.sigma, std::abs(model.moved.with.ahead_m),
+        model.moved.with.ahead_m > 0 ? "ahead" : "back");
   } else if (as_is.compared >= RangeVerdicts::kSomeCompared &&
              share + 2 * sigma < RangeVerdicts::kOfOneMoment) {
     finding.verdict = Verdict::kBad;

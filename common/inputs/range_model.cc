@@ -46,14 +46,6 @@ struct RangePixel {
   float depth;
 };
 
-struct Hypothesis {
-  double factor = 1;
-  Turn turn = {};
-  double ahead_m = 0;
-  cv::Point2d move_px = {0, 0};
-  cv::Point2d spread = {1, 1};
-};
-
 // All values of a range image, and how many are returns.
 std::vector<RangePixel> Collect(const TofImage& tof, RangeModel& model) {
   model.pixels = static_cast<int>(tof.depth_m.total());
@@ -112,11 +104,7 @@ class Comparison {
       return u_right >= 0 && u_right < pair.width;
     });
     PointGrid grid(std::move(points), pair.size());
-    Agreement result{.factor = hypothesis.factor,
-                     .turn = hypothesis.turn,
-                     .ahead_m = hypothesis.ahead_m,
-                     .move_px = hypothesis.move_px,
-                     .spread = hypothesis.spread,
+    Agreement result{.with = hypothesis,
                      .in_picture = in_picture,
                      .in_both = static_cast<int>(in_both),
                      .votes = std::vector<Vote>(matches_.size(), Vote::kNone),
@@ -251,8 +239,8 @@ Agreement BestShifted(const Comparison& comparison, std::span<const RangePixel> 
   };
   for (const double shift : RangeRules::kShifts) look_around({0, 0}, shift * width);
   // Each ring is twice as wide as the one before: between them lies half a radius.
-  double step_px = cv::norm(best.move_px);
-  for (int i = 0; i < 2; ++i) look_around(best.move_px, step_px /= 2);
+  double step_px = cv::norm(best.with.move_px);
+  for (int i = 0; i < 2; ++i) look_around(best.with.move_px, step_px /= 2);
   return best;
 }
 
@@ -272,7 +260,7 @@ Agreement BestSpread(const Comparison& comparison, std::span<const RangePixel> p
   if (height != 1) look_at({1, height});
   for (const double spread : RangeRules::kSpreads) look_at({spread, spread * height});
   for (const double step : {0.04, 0.02}) {
-    const cv::Point2d from = best.spread;  // `best` changes meanwhile
+    const cv::Point2d from = best.with.spread;  // `best` changes meanwhile
     look_at(from * (1 - step));
     look_at(from * (1 + step));
   }
@@ -361,7 +349,7 @@ RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
   const Agreement& fitting =
       model.scaled.agreeing > model.as_is.agreeing ? model.scaled : model.as_is;
   const Estimate log = MedianOf(fitting.logs);
-  model.ratio.value = std::exp(-log.value) / fitting.factor;
+  model.ratio.value = std::exp(-log.value) / fitting.with.factor;
   model.ratio.sigma = model.ratio.value * log.sigma;
   model.offset_m = MedianOf(model.as_is.offsets_m);
   return model;

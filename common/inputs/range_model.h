@@ -39,16 +39,20 @@ enum class Vote : int8_t {
   kIsClose,  ///< to 1 px and 1 %
 };
 
-/// How well range points and stereo agree when ranges are multiplied by a factor, the range image
-/// is turned, and its points are moved ahead, or in the picture, or spread from its middle.
+/// What may have to be done to range points so that they agree with stereo.
+struct Hypothesis {
+  double factor = 1;             ///< of the ranges
+  Turn turn = {};                ///< of the range image
+  double ahead_m = 0;            ///< the points are moved ahead,
+  cv::Point2d move_px = {0, 0};  ///< or in the picture,
+  cv::Point2d spread = {1, 1};   ///< or their rays spread right and down, see RangeModel::spread
+};
+
+/// How well range points and stereo agree then.
 struct Agreement {
-  double factor = 1;
-  Turn turn;
-  double ahead_m = 0;
-  cv::Point2d move_px;
-  cv::Point2d spread = {1, 1};  ///< of its rays, right and down, see RangeModel::spread
-  int in_picture = 0;           ///< points
-  int in_both = 0;              ///< of these, points that fall into the right image, too
+  Hypothesis with;
+  int in_picture = 0;  ///< points
+  int in_both = 0;     ///< of these, points that fall into the right image, too
   int compared = 0;
   int agreeing = 0;  ///< of them, closely or not
   int close = 0;
