@@ -29,35 +29,36 @@ Eigen::Vector3d PointAt(const RectifiedPair& pair, const DisparityImage& map, in
                        {.u = column, .v = static_cast<float>(v), .u_right = column - map.Px(u, v)});
 }
 
-cv::Mat1f DepthMap(const RectifiedPair& pair, const DisparityImage& disparity) {
+namespace {
+
+// A map of what value_at(u, v, px) gives where there is a disparity px beyond infinity; else NaN.
+template <typename ValueAt>
+cv::Mat1f MapOf(const RectifiedPair& pair, const DisparityImage& disparity,
+                const ValueAt& value_at) {
   const double infinity_px = pair.cx - pair.cx_right;
-  cv::Mat1f depth_m(disparity.size(), std::numeric_limits<float>::quiet_NaN());
+  cv::Mat1f map(disparity.size(), std::numeric_limits<float>::quiet_NaN());
   for (int v = 0; v < disparity.height(); ++v) {
     for (int u = 0; u < disparity.width(); ++u) {
       const double px = double{disparity.Px(u, v)};
-      if (px > infinity_px) {  // false for NaN
-        depth_m(v, u) = static_cast<float>(pair.DepthFromDisparity(px));
-      }
+      if (px > infinity_px) map(v, u) = static_cast<float>(value_at(u, v, px));  // false for NaN
     }
   }
-  return depth_m;
+  return map;
+}
+
+}  // namespace
+
+cv::Mat1f DepthMap(const RectifiedPair& pair, const DisparityImage& disparity) {
+  return MapOf(pair, disparity, [&](int, int, double px) { return pair.DepthFromDisparity(px); });
 }
 
 cv::Mat1f DepthSigmaMap(const RectifiedPair& pair, const DisparityImage& disparity,
                         const cv::Mat1b& sigma) {
   assert(sigma.size() == disparity.size());
-  const double infinity_px = pair.cx - pair.cx_right;
-  cv::Mat1f sigma_m(disparity.size(), std::numeric_limits<float>::quiet_NaN());
-  for (int v = 0; v < disparity.height(); ++v) {
-    for (int u = 0; u < disparity.width(); ++u) {
-      const double px = double{disparity.Px(u, v)};
-      if (!(px > infinity_px)) continue;
-      sigma_m(v, u) = sigma(v, u) == kMaxSigmaCounts
-                          ? std::numeric_limits<float>::infinity()
-                          : static_cast<float>(pair.DepthSigma(px, double{SigmaToPx(sigma(v, u))}));
-    }
-  }
-  return sigma_m;
+  return MapOf(pair, disparity, [&](int u, int v, double px) {
+    return sigma(v, u) == kMaxSigmaCounts ? std::numeric_limits<double>::infinity()
+                                          : pair.DepthSigma(px, double{SigmaToPx(sigma(v, u))});
+  });
 }
 
 TofCamera Resized(TofCamera camera, cv::Size size) {

@@ -6,9 +6,13 @@
 
 namespace sprout::depth {
 
-cv::Vec3b ColourAt(const cv::Mat& image, int u, int v) {
-  if (image.channels() == 3) return image.at<cv::Vec3b>(v, u);
-  return cv::Vec3b::all(image.at<uint8_t>(v, u));
+CloudPoint CloudPointOf(const Eigen::Vector3d& position_m, const cv::Mat& left,
+                        const cv::Mat& confidence, cv::Point pixel) {
+  return {.position_m = {static_cast<float>(position_m.x()), static_cast<float>(position_m.y()),
+                         static_cast<float>(position_m.z())},
+          .bgr = left.channels() == 3 ? left.at<cv::Vec3b>(pixel)
+                                      : cv::Vec3b::all(left.at<uint8_t>(pixel)),
+          .confidence = confidence.empty() ? uint8_t{255} : confidence.at<uint8_t>(pixel)};
 }
 
 PointCloud Moved(PointCloud cloud, const Pose& other_from_left) {
@@ -38,11 +42,7 @@ PointCloud CloudOf(const DisparityImage& disparity, const RectifiedPair& pair, c
       const Eigen::Vector3d point = PointAt(pair, disparity, u, v);
       if (!(point.z() > 0) || !(point.norm() < kFarthestM) || !filter.IsFirst(point)) continue;
       if (cloud.points.size() == kMaxCloudPoints) return cloud;
-      cloud.points.push_back(
-          {.position_m = {static_cast<float>(point.x()), static_cast<float>(point.y()),
-                          static_cast<float>(point.z())},
-           .bgr = ColourAt(left, u, v),
-           .confidence = confidence.empty() ? uint8_t{255} : confidence.at<uint8_t>(v, u)});
+      cloud.points.push_back(CloudPointOf(point, left, confidence, {u, v}));
     }
   }
   return cloud;

@@ -67,8 +67,9 @@ PointCloud CloudOf(const DisparityImage& disparity, const RectifiedPair& pair, c
 /// The same points in another frame. O(points).
 PointCloud Moved(PointCloud cloud, const Pose& other_from_left);
 
-/// Colour of a pixel, BGR; of a grey image three times the same.
-/// @param image  8UC1 or 8UC3 (BGR).
-cv::Vec3b ColourAt(const cv::Mat& image, int u, int v);
+/// A point with the colour and the confidence of a pixel.
+/// @param left, confidence  as for CloudOf(), of a size that has the pixel.
+CloudPoint CloudPointOf(const Eigen::Vector3d& position_m, const cv::Mat& left,
+                        const cv::Mat& confidence, cv::Point pixel);
 
 }  // namespace sprout::depth

@@ -124,16 +124,14 @@ std::string SizeComplaint(const Frame& frame, const Input& input) {
     return "LEFT of " + SizeText(frame.left.size()) + ": allowed is " + name + "'s " +
            SizeText(size);
   }
-  if (!frame.sigma.empty() && (frame.sigma.size() != size || frame.sigma.type() != CV_8UC1)) {
-    return "SIGMA of " + SizeText(frame.sigma.size()) + " and " +
-           std::to_string(frame.sigma.channels()) + " bytes a pixel: allowed is " + name + "'s " +
+  for (const auto& [part, image] :
+       {std::pair("SIGMA", &frame.sigma), {"CONFIDENCE", &confidence}}) {
+    if (image->empty() || (image->size() == size && image->type() == CV_8UC1)) continue;
+    return std::string(part) + " of " + SizeText(image->size()) + " and " +
+           std::to_string(image->channels()) + " bytes a pixel: allowed is " + name + "'s " +
            SizeText(size) + ", in grey";
   }
-  const bool fits = confidence.size() == size && confidence.type() == CV_8UC1;
-  if (confidence.empty() || fits) return "";
-  return "CONFIDENCE of " + SizeText(confidence.size()) + " and " +
-         std::to_string(confidence.channels()) + " bytes a pixel: allowed is " + name + "'s " +
-         SizeText(size) + ", in grey";
+  return "";
 }
 
 void AddCloud(Part part, PointCloud cloud, StageResult& result) {

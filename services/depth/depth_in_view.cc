@@ -208,12 +208,7 @@ PointCloud CloudInView(const DepthImage& depth, const View& view, const Rectifie
       const double scale = pair.focal_px / in_left.z();
       const int left_u = nearest(scale * in_left.x() + pair.cx, pair.width);
       const int left_v = nearest(scale * in_left.y() + pair.cy, pair.height);
-      cloud.points.push_back(
-          {.position_m = {static_cast<float>(point.x()), static_cast<float>(point.y()),
-                          static_cast<float>(point.z())},
-           .bgr = ColourAt(left, left_u, left_v),
-           .confidence =
-               confidence.empty() ? uint8_t{255} : confidence.at<uint8_t>(left_v, left_u)});
+      cloud.points.push_back(CloudPointOf(point, left, confidence, {left_u, left_v}));
     }
   }
   return cloud;
