@@ -57,7 +57,7 @@ struct PairRules {
   static constexpr double kRangesDisagree = 0.3;
 };
 
-// More than by chance.
+// Whether more matches agree than would by chance.
 bool AreMany(const PairModel& model) {
   const auto inliers = static_cast<double>(model.inliers.size());
   return inliers >= PairRules::kFewInliers &&

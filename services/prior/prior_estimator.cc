@@ -44,7 +44,7 @@ Result<Triangulation> TriangulateOrSayWhy(std::span<const Seed> seeds) {
   return triangulation;
 }
 
-// Whether most of the ToF seeds are.
+// Whether most of the ToF seeds are noisy.
 bool AreNoisy(std::span<const Seed> seeds, const PriorConfig& config) {
   const auto noisy = std::count_if(seeds.begin(), seeds.end(), [&](const Seed& seed) {
     return seed.origin == SeedOrigin::kTof && IsNoisy(seed, config);

@@ -239,7 +239,7 @@ RangeNoise Refiner::Noise(const cv::Mat1b& left, const cv::Mat1b& right) {
   return noise;
 }
 
-// Adds it to what the points may be off by otherwise.
+// Adds the noise to what the points may be off by otherwise.
 void Refiner::AddNoise(const cv::Mat1b& left, const cv::Mat1b& right) {
   noise_ = Noise(left, right);
   const bool coarse = stereo_.IsCoarse(surface_.spacing_px(), left.cols);

@@ -23,7 +23,7 @@ using D32 = hn::RebindToSigned<D>;
 using D16 = hn::Rebind<int16_t, D>;
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(D()));
 
-// Those of the closest plane, of pixels side by side.
+// The disparities of pixels side by side, each by the plane of the corner that is closest to it.
 HWY_INLINE V DisparitiesAt(std::span<const Plane> planes, V u, float v) {
   const D d;
   V least = hn::Zero(d);

@@ -280,7 +280,7 @@ bool RangeBias::FindField(const RangeInput& input, const RangeSettings& settings
   return false;
 }
 
-// By what was found, and sets what may be left of the errors.
+// Moves the points by what was found, and sets what may be left of their errors.
 void RangeBias::MovePoints(const RangeInput& input, const RangeSettings& settings,
                            std::span<ProjectedPoint> points) {
   const RectifiedPair& pair = input.rig.pair;

@@ -182,7 +182,8 @@ void RangeField::Relax(const RangeNodes& nodes) {
   }
 }
 
-// By how much the images around a node say, and by how much offsets vary where they say something.
+// How sure an offset is follows from what the images around its node show, and from how much
+// offsets vary where they show something.
 void RangeField::SetSigma(const RangeNodes& nodes) {
   const std::span<const RangeNode> all = nodes.nodes();
   double squares = 0;

@@ -16,7 +16,7 @@ struct StereoRules {
   static constexpr int kFewPixels = 128'000;
   /// Of them, every so many rows and columns are matches of FindCoarse().
   static constexpr int kCoarseStep = 6;
-  /// Smallest side of a cell, px of the matched image.
+  /// Smallest side of a cell, px of the images.
   static constexpr double kMinSpacingPx = 4;
   /// The largest disparity is this part of the image width beyond that of infinity when
   /// stereo_max_disparity_px is 0. With a focal length of f image widths that is z > 5 f baselines:

@@ -36,7 +36,7 @@ void AddWidths(const TofSurface& surface, cv::Point cell, const cv::Point& way, 
   end_edge();
 }
 
-// Of the edges along these lines; those that are no slants stay.
+// The width that a quarter of the edges stay below. Slants are left out of them.
 double SharpestOf(std::vector<double>& widths) {
   std::erase_if(widths, [](double width) { return width > SurfaceRules::kWidestEdge; });
   return widths.size() < SurfaceRules::kFewestEdges

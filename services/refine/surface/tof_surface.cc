@@ -81,7 +81,7 @@ void TofSurface::SetSteps(const TofCamera& tof, std::span<const ProjectedPoint> 
   row_step_ = next_row_ = smaller(row_step_);
 }
 
-// Of the cells that have any.
+// The mean over the cells that have points.
 double TofSurface::PointsPerCell(const TofCamera& tof, std::span<const ProjectedPoint> points) {
   const int columns = tof.width / column_step_ + 1;
   filled_.assign(static_cast<size_t>(columns * (tof.height / row_step_ + 1)), 0);
