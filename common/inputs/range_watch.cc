@@ -19,35 +19,31 @@ std::string RangeWatch::Add(const TofImage& tof, const SeedSet& seeds, const See
       hit && (CountTofSeeds(seeds.seeds) > 0 || CountTofSeeds(left_seeds.seeds) > 0);
   ++frames_;
   if (came) {
-    if (came_ > 0) longest_pause_ = std::max(longest_pause_, without_);
+    if (Gave(Step::kCame) > 0) longest_pause_ = std::max(longest_pause_, without_);
     without_ = 0;
-    ++came_;
   } else {
     ++without_;
   }
-  if (returned) ++returned_;
-  if (hit) ++hit_;
-  if (became) ++became_seeds_;
-  Step step = Step::kNone;
-  if (!came) {
-    if (without_ <= std::max(kFewestWithout, 2 * longest_pause_)) return {};
-    if (came_ > 0) step = Step::kCame;
-  } else if (!returned) {
-    if (returned_ > 0) step = Step::kReturns;
-  } else if (!hit) {
-    if (hit_ > 0) step = Step::kHits;
-  } else if (!became) {
-    step = Step::kSeeds;
+  size_t step = 0;  // the first one that gives nothing
+  for (const bool gives : {came, returned, hit, became}) {
+    if (!gives) break;
+    ++gave_[step++];
   }
-  if (step == last_) return {};
-  last_ = step;
+  if (!came && without_ <= std::max(kFewestWithout, 2 * longest_pause_)) return {};
+  auto silent = static_cast<Step>(step);
+  // What is so from the start CheckInputs() says, but that no seed comes of it.
+  if (silent < Step::kSeeds && Gave(silent) == 0) silent = Step::kNone;
+  if (silent == last_) return {};
+  last_ = silent;
+  return TextOf(silent, seeds);
+}
+
+std::string RangeWatch::TextOf(Step silent, const SeedSet& seeds) const {
   const std::string counts = fmt::format(
       " (of {} frames {} had a range image, {} returns, {} points in the picture, {} "
       "seeds of them)",
-      frames_, came_, returned_, hit_, became_seeds_);
-  switch (step) {
-    case Step::kNone:
-      break;
+      frames_, Gave(Step::kCame), Gave(Step::kReturns), Gave(Step::kHits), Gave(Step::kSeeds));
+  switch (silent) {
     case Step::kCame:
       return "range images do not come any more" + counts;
     case Step::kReturns:
@@ -61,6 +57,8 @@ std::string RangeWatch::Add(const TofImage& tof, const SeedSet& seeds, const See
                  seeds.raw, seeds.outside, seeds.dark, seeds.loose, seeds.background, seeds.hidden,
                  seeds.contradicted) +
              counts;
+    case Step::kNone:
+      break;
   }
   return {};
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 
@@ -22,16 +23,17 @@ class RangeWatch {
   std::string Add(const TofImage& tof, const SeedSet& seeds, const SeedSet& left_seeds);
 
  private:
-  enum class Step { kNone, kCame, kReturns, kHits, kSeeds };  // that gave nothing
+  // In their order; kNone: behind the last one.
+  enum class Step { kCame, kReturns, kHits, kSeeds, kNone };
+
+  int64_t Gave(Step step) const { return gave_[static_cast<size_t>(step)]; }
+  std::string TextOf(Step silent, const SeedSet& seeds) const;
 
   int64_t frames_ = 0;
-  int64_t without_ = 0;        // frames since the last range image
-  int64_t longest_pause_ = 0;  // of these between two range images
-  int64_t came_ = 0;
-  int64_t returned_ = 0;
-  int64_t hit_ = 0;
-  int64_t became_seeds_ = 0;
-  Step last_ = Step::kNone;
+  std::array<int64_t, 4> gave_{};  // frames in which the step gave something
+  int64_t without_ = 0;            // frames since the last range image
+  int64_t longest_pause_ = 0;      // of these between two range images
+  Step last_ = Step::kNone;        // that gave nothing
 };
 
 }  // namespace sprout::inputs
