@@ -30,10 +30,7 @@ std::optional<Seed> InPair(const TofZones& zones, const RectifiedPair& pair, dou
   return ProjectToPair(pair, point);
 }
 
-}  // namespace
-
-// What lies between the least and the largest of what is added. A member of ZoneEvidence::Footprint
-// has this type, which is therefore in no anonymous namespace.
+// What lies between the least and the largest of what is added.
 struct ZoneBox {
   double left = kFarthest, right = -kFarthest, top = kFarthest, bottom = -kFarthest;
 
@@ -50,8 +47,6 @@ struct ZoneBox {
     return {left - across, right + across, top - down, bottom + down};
   }
 };
-
-namespace {
 
 // Cells whose centres lie in a box of the image.
 cv::Rect CellsIn(const ZoneBox& box, const CellGrid& grid) {
@@ -72,17 +67,16 @@ void ForEachCell(const cv::Rect& cells, const Visit& visit) {
   }
 }
 
-}  // namespace
-
 // A zone as the left camera sees it.
-struct ZoneEvidence::Footprint {
+struct Footprint {
   ZoneBox box;          // around all its targets, px
   double most_px = -1;  // that its targets allow
-  Patch patch;
+  ZonePatch patch;
 };
 
-std::optional<ZoneEvidence::Footprint> ZoneEvidence::FootprintOf(const TofZones& zones, size_t zone,
-                                                                 const RectifiedPair& pair) {
+// Nothing for a zone that has no target in front of the pair.
+std::optional<Footprint> FootprintOf(const TofZones& zones, size_t zone,
+                                     const RectifiedPair& pair) {
   const ZoneView& view = zones.views[zone];
   const double x = (double{view.left} + view.right) / 2;
   const double y = (double{view.top} + view.bottom) / 2;
@@ -92,7 +86,7 @@ std::optional<ZoneEvidence::Footprint> ZoneEvidence::FootprintOf(const TofZones&
     return seed ? double{seed->disparity()} : kFarthest;
   };
   Footprint footprint;
-  Patch& patch = footprint.patch;
+  ZonePatch& patch = footprint.patch;
   int targets = 0;
   for (const ZoneTarget& target : zones.TargetsOf(zone)) {
     if (target.status == TargetStatus::kNone) continue;
@@ -119,17 +113,7 @@ std::optional<ZoneEvidence::Footprint> ZoneEvidence::FootprintOf(const TofZones&
   return footprint;
 }
 
-void ZoneEvidence::Enter(const Footprint& footprint, int zone) {
-  const auto most_px = static_cast<float>(footprint.most_px);
-  ForEachCell(CellsIn(footprint.box.Widened(), grid_),
-              [&](cv::Point cell) { most_px_(cell) = std::max(most_px_(cell), most_px); });
-  const auto disparity_px = static_cast<float>(footprint.patch.disparity_px);
-  ForEachCell(CellsIn(footprint.box, grid_), [&](cv::Point cell) {
-    if (zone_(cell) != kNone && nearest_px_(cell) >= disparity_px) return;
-    zone_(cell) = zone;
-    nearest_px_(cell) = disparity_px;
-  });
-}
+}  // namespace
 
 Result<void> ZoneEvidence::Set(const TofZones& zones, const RectifiedPair& pair,
                                const CellGrid& grid) {
@@ -148,14 +132,23 @@ Result<void> ZoneEvidence::Set(const TofZones& zones, const RectifiedPair& pair,
   int64_t cells = 0;
   for (size_t zone = 0; zone < zones.views.size(); ++zone) {
     const std::optional<Footprint> footprint = FootprintOf(zones, zone, pair);
-    patches_.push_back(footprint ? footprint->patch : Patch());
+    patches_.push_back(footprint ? footprint->patch : ZonePatch());
     if (!footprint) continue;
-    cells += CellsIn(footprint->box.Widened(), grid).area();
+    const cv::Rect within_reach = CellsIn(footprint->box.Widened(), grid);
+    cells += within_reach.area();
     if (cells > int64_t{ZoneRules::kMaxZonesPerCell} * grid.size.area()) {
       return Fail("zones overlap: allowed are " + std::to_string(ZoneRules::kMaxZonesPerCell) +
                   " zones within reach of a place in the left image, on average");
     }
-    Enter(*footprint, static_cast<int>(zone));
+    const auto most_px = static_cast<float>(footprint->most_px);
+    ForEachCell(within_reach,
+                [&](cv::Point cell) { most_px_(cell) = std::max(most_px_(cell), most_px); });
+    const auto disparity_px = static_cast<float>(footprint->patch.disparity_px);
+    ForEachCell(CellsIn(footprint->box, grid), [&](cv::Point cell) {
+      if (zone_(cell) != kNone && nearest_px_(cell) >= disparity_px) return;
+      zone_(cell) = static_cast<int>(zone);
+      nearest_px_(cell) = disparity_px;
+    });
   }
   // Where no zone with a target looks, nothing is known.
   const cv::Mat unseen = zone_ == kNone;
@@ -170,10 +163,10 @@ Result<void> ZoneEvidence::Set(const TofZones& zones, const RectifiedPair& pair,
 
 // Eq. (Z2), by iteratively reweighted least squares.
 ZoneEvidence::Plane ZoneEvidence::PlaneOf(const TofZones& zones, int column, int row) const {
-  const auto patch_of = [&](int u, int v) -> const Patch& {
+  const auto patch_of = [&](int u, int v) -> const ZonePatch& {
     return patches_[static_cast<size_t>(v * zones.columns + u)];
   };
-  const Patch& own = patch_of(column, row);
+  const ZonePatch& own = patch_of(column, row);
   Plane plane;
   if (!own.is_one) return plane;
   plane.at = {own.disparity_px, 0, 0};
@@ -182,7 +175,7 @@ ZoneEvidence::Plane ZoneEvidence::PlaneOf(const TofZones& zones, int column, int
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (int v = std::max(row - 1, 0); v <= std::min(row + 1, zones.rows - 1); ++v) {
       for (int u = std::max(column - 1, 0); u <= std::min(column + 1, zones.columns - 1); ++u) {
-        const Patch& other = patch_of(u, v);
+        const ZonePatch& other = patch_of(u, v);
         if (!other.is_one) continue;
         const double variance_px2 = std::max(kMinVariancePx2, other.variance_px2);
         const Eigen::Vector2d off = other.centre_px - own.centre_px;
@@ -208,7 +201,7 @@ ZoneEvidence::Plane ZoneEvidence::PlaneOf(const TofZones& zones, int column, int
 std::optional<ZoneSurface> ZoneEvidence::SurfaceAt(cv::Point cell) const {
   if (patches_.empty() || zone_(cell) == kNone) return {};
   const auto zone = static_cast<size_t>(zone_(cell));
-  const Patch& patch = patches_[zone];
+  const ZonePatch& patch = patches_[zone];
   if (!patch.is_one) return {};
   const cv::Point2d centre = grid_.CentrePx(cell);
   const Eigen::Vector3d basis(1, centre.x - patch.centre_px.x(), centre.y - patch.centre_px.y());

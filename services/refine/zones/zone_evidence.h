@@ -42,6 +42,14 @@ struct ZoneSurface {
   double sigma_px = 0;
 };
 
+/// A zone of MODE_MEAN with one target, in the left image.
+struct ZonePatch {
+  bool is_one = false;  ///< else the rest is not used
+  Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();
+  double disparity_px = 0;
+  double variance_px2 = 0;
+};
+
 /// What the zones of a multi-zone sensor say of the cells of the left image: of an area each, not
 /// of a point.
 class ZoneEvidence {
@@ -63,30 +71,19 @@ class ZoneEvidence {
  private:
   static constexpr int kNone = -1;
 
-  // A zone of MODE_MEAN with one target, in the left image.
-  struct Patch {
-    bool is_one = false;  // else the rest is not used
-    Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();
-    double disparity_px = 0;
-    double variance_px2 = 0;
-  };
   // d(x) = at · (1, x − centre_px), with the covariance of `at`.
   struct Plane {
     Eigen::Vector3d at = Eigen::Vector3d::Zero();
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   };
-  struct Footprint;
 
-  static std::optional<Footprint> FootprintOf(const TofZones& zones, size_t zone,
-                                              const RectifiedPair& pair);
-  void Enter(const Footprint& footprint, int zone);
   Plane PlaneOf(const TofZones& zones, int column, int row) const;
 
   CellGrid grid_{1, {1, 1}};
   cv::Mat1f most_px_;
   cv::Mat1i zone_;        // that looks at the cell, the nearest of several; kNone
   cv::Mat1f nearest_px_;  // its disparity
-  std::vector<Patch> patches_;
+  std::vector<ZonePatch> patches_;
   std::vector<Plane> planes_;  // of patches_
 };
 
