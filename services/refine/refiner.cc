@@ -173,7 +173,7 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
        .matches = [&] { return stereo_.Find(left, right, {}, {}, 0, zones_.most_px()); }},
       points_);
   if (IsDisplaced(left, right, tof, projector)) found_.range_error.rejected = true;
-  const bool shows_nothing = found_.range_error.pair_unfit && !found_.range_error.rows_unfit;
+  const bool shows_nothing = found_.range_error.ShowsNothing();
   if (shows_nothing) TakeBack(rig, result);
   const float smoothed_px = found_.smoothing ? SurfaceRules::kSmoothedSigmaPx : 0;
   for (size_t i = 0; i < points_.size(); ++i) {

@@ -171,9 +171,8 @@ bool RangeBias::JudgePair(const RangeInput& input, const RangeSettings& settings
     error_.pair_unfit = error_.rows_shifted || !MatchesElsewhere(input, matches);
   }
   error_.rejected = many && !error_.pair_unfit;
-  const bool shows_nothing = error_.pair_unfit && !error_.rows_unfit;
-  if (shows_nothing) error_.curve.clear();
-  return error_.rejected || shows_nothing;
+  if (error_.ShowsNothing()) error_.curve.clear();
+  return error_.rejected || error_.ShowsNothing();
 }
 
 // Marks where points have to be asked for: within reach of a node that moves, is unsure or is

@@ -39,6 +39,8 @@ struct RangeError {
   bool Refuses() const { return rejected || absurd; }
   /// Whether the curve is farther from 0 than data sheets allow, by RangeRules::kDoubtfulOfDepth.
   bool IsBeyondDataSheets() const;
+  /// Nothing of the sensor is known from the images.
+  bool ShowsNothing() const { return pair_unfit && !rows_unfit; }
 };
 
 /// What is estimated.
