@@ -241,12 +241,9 @@ void RangeBias::FindCurve(const RangeInput& input) {
     error_.curve.push_back({.depth_m = knot.depth_m,
                             .error_m = knot.error_m,
                             .sigma_m = std::hypot(knot.sigma_m, shared_m)});
-  }
-  for (const RangeKnot& knot : curve_.knots()) {
     const double least_m = std::abs(knot.error_m) - RangeRules::kSureSigmas * knot.sigma_m;
-    if (!(least_m > RangeRules::kMostOfDepth * knot.depth_m)) continue;
-    error_.absurd = knot;
-    return;
+    const bool is_absurd = least_m > RangeRules::kMostOfDepth * knot.depth_m;
+    if (is_absurd && !error_.absurd) error_.absurd = knot;
   }
 }
 

@@ -1,10 +1,10 @@
+#include "services/refine/findings.h"
+
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <optional>
 #include <string>
-
-#include "services/refine/findings.h"
 
 namespace sprout::refine {
 namespace {
@@ -15,7 +15,7 @@ std::optional<std::string> TextOf(const RangeError& error) {
   return FindingText(found);
 }
 
-TEST(RangeText, SaysWhatTheSensorIsOffByInMillimetresAndWhatShareWasMoved) {
+TEST(RefineFindings, SaysWhatTheSensorIsOffByInMillimetresAndWhatShareWasMoved) {
   const RangeError error{.curve = {{0.9, 0.001, 0.002},  // not sure
                                    {1.2, 0.0102, 0.0008},
                                    {1.6, -0.0151, 0.0005},
@@ -29,7 +29,7 @@ TEST(RangeText, SaysWhatTheSensorIsOffByInMillimetresAndWhatShareWasMoved) {
             "0.25 px. If that stays so: sprout-calibrate refine");
 }
 
-TEST(RangeText, NamesThePairWhereAllIsOffByTheSamePx) {
+TEST(RefineFindings, NamesThePairWhereAllIsOffByTheSamePx) {
   const RangeError error{.curve = {{1.2, 0.0102, 0.0008}, {2.4, 0.0408, 0.0016}},
                          .curve_is_zero = false,
                          .same_px = 1.96,
@@ -41,7 +41,7 @@ TEST(RangeText, NamesThePairWhereAllIsOffByTheSamePx) {
             "so: sprout-calibrate refine");
 }
 
-TEST(RangeText, IsBeyondDataSheetsFromTwoPercentOfTheDepthOn) {
+TEST(RangeError, IsBeyondDataSheetsFromTwoPercentOfTheDepthOn) {
   RangeError error{.curve = {{1.2, 0.02, 0.001}, {3.0, -0.061, 0.002}}, .curve_is_zero = false};
   EXPECT_TRUE(error.IsBeyondDataSheets());
   error.curve.back().error_m = -0.059;
@@ -49,7 +49,7 @@ TEST(RangeText, IsBeyondDataSheetsFromTwoPercentOfTheDepthOn) {
   EXPECT_FALSE(RangeError().IsBeyondDataSheets());
 }
 
-TEST(RangeText, DoubtsWhatIsOffByAPxAtAllDepths) {
+TEST(RefineFindings, DoubtsWhatIsOffByAPxAtAllDepths) {
   SeedSet seeds;
   seeds.seeds.resize(1);
   const auto text = [&](double px) {
@@ -64,7 +64,7 @@ TEST(RangeText, DoubtsWhatIsOffByAPxAtAllDepths) {
             "believed");
 }
 
-TEST(RangeText, SaysEachDepthOnceAndTheSurestIfNoneIsSure) {
+TEST(RefineFindings, SaysEachDepthOnceAndTheSurestIfNoneIsSure) {
   RangeError error{.curve = {{1.2, 0.0102, 0.0008}, {1.6, 0.005, 0.0005}},
                    .curve_is_zero = false,
                    .far_moved_share = 1};
@@ -82,7 +82,7 @@ TEST(RangeText, SaysEachDepthOnceAndTheSurestIfNoneIsSure) {
             "than 0.25 px");
 }
 
-TEST(RangeText, TellsNothingKnownFromNothingWrongAndFromWhatTheSceneAdds) {
+TEST(RefineFindings, TellsNothingKnownFromNothingWrongAndFromWhatTheSceneAdds) {
   EXPECT_EQ(TextOf({}), std::nullopt);
   RangeError error{.curve = {{1.2, 0, 0.001}}};
   EXPECT_EQ(TextOf(error), "");
