@@ -6,6 +6,8 @@
 #include <array>
 #include <utility>
 
+#include "common/core/census.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "services/grow/confidence/confidence_kernel.cc"
 #include <hwy/foreach_target.h>
@@ -78,24 +80,6 @@ void FindStepsOnTarget(const DisparityImage& filled, const cv::Range& rows,
       edges[x] = steps[x] >= kEdgeLevel ? 255 : 0;
     }
     WriteBends(filled, y, features.bend.cols, features.bend[y]);
-  }
-}
-
-// Which of its 8 neighbours are darker than a pixel, a bit each (Zabih and Woodfill, ECCV 1994); 0
-// at the image's border.
-void CensusOfRow(const cv::Mat1b& image, int v, uint8_t* HWY_RESTRICT census) {
-  std::fill_n(census, image.cols, uint8_t{0});
-  if (v == 0 || v == image.rows - 1) return;
-  const uint8_t* HWY_RESTRICT above = image[v - 1];
-  const uint8_t* HWY_RESTRICT row = image[v];
-  const uint8_t* HWY_RESTRICT below = image[v + 1];
-  for (int u = 1; u < image.cols - 1; ++u) {
-    const uint8_t centre = row[u];
-    const auto bit = [&](uint8_t other, int place)
-                         HWY_ATTR { return static_cast<uint8_t>(other < centre ? 1 << place : 0); };
-    census[u] = static_cast<uint8_t>(
-        bit(above[u - 1], 0) | bit(above[u], 1) | bit(above[u + 1], 2) | bit(row[u - 1], 3) |
-        bit(row[u + 1], 4) | bit(below[u - 1], 5) | bit(below[u], 6) | bit(below[u + 1], 7));
   }
 }
 
