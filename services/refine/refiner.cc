@@ -126,7 +126,8 @@ void Refiner::Align(const cv::Mat1b& left, const cv::Mat1b& right, const TofImag
   surface_.Set(rig, points_);
 }
 
-// Without stereo nothing would take their place.
+// Drops the points beside the edges of a smoothed range image, or those of near surfaces that reach
+// beyond their edges. Not without stereo: nothing would take their place.
 void Refiner::DropBesideEdges(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig,
                               SeedSet& result) {
   if (!surface_.has_pixels() || !config_.stereo_seeds()) return;
@@ -141,7 +142,8 @@ void Refiner::DropBesideEdges(const cv::Mat1b& left, const cv::Mat1b& right, con
   surface_.Set(rig, points_);
 }
 
-// Images that do not fit each other on any rows put no sensor right.
+// Takes back what the images had moved and dropped so far: those that do not fit each other on any
+// rows put no sensor right.
 void Refiner::TakeBack(const Rig& rig, SeedSet& result) {
   if (found_.fattening) {
     result.contradicted -= static_cast<int32_t>(before_fattening_.size() - points_.size());
@@ -198,7 +200,8 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
   surface_.Set(rig, points_);
 }
 
-// What zones say of a place is no correspondence to grow from.
+// Adds what zones say where nothing else does. It goes to the left seeds: it is no correspondence
+// to grow from.
 void Refiner::FillFromZones(const SeedSet& result, const CellGrid& grid, cv::Size image) {
   Join(result.seeds, left_seeds_.seeds, all_seeds_);
   all_points_.Set(all_seeds_, grid);
@@ -295,8 +298,8 @@ void Refiner::KeepReliable(const cv::Mat1b& left, const cv::Mat1b& right, const 
   }
 }
 
-// Edges isolate few points: 7 in 100 with a camera, 5 with 4 beams of a lidar. Where most are,
-// those that are not have neighbours by chance.
+// Takes all points for noise where most are loose: then the others have neighbours by chance. Edges
+// make few of them loose, 7 in 100 with a camera, 5 with 4 beams of a lidar.
 void Refiner::DropNoise() {
   const auto in_picture = std::ranges::count_if(
       fates_, [](Fate fate) { return fate == Fate::kKept || fate == Fate::kLoose; });

@@ -24,15 +24,15 @@ struct RangeError {
   double same_px = 0;
   double moved_share = 0;      ///< of the points, 0 to 1
   double far_moved_share = 0;  ///< the same of those moved by more than kFarMovePx
-  /// Of those that the scene moved by more than kFarMovePx, beside what the curve moves all by.
+  /// The same of those moved by so much more than the curve moves all by.
   double far_from_curve_share = 0;
   double contradicted_share = 0;  ///< of the places that have texture to judge by, 0 to 1
   bool rejected = false;          ///< too many of them: no point is believed
-  /// The images contradict no sensor: they differ too much, and match nowhere else either; or they
-  /// match on other rows.
+  /// The images do not fit each other, so they contradict no sensor: they match nowhere, or on
+  /// other rows, or each row in columns of its own.
   bool pair_unfit = false;
-  bool rows_unfit = false;    ///< the latter, few contradicted: they show the curve
-  bool rows_shifted = false;  ///< each row of theirs matches in columns of its own, ShiftsRows()
+  bool rows_unfit = false;    ///< on other rows, and few nodes are contradicted: the curve counts
+  bool rows_shifted = false;  ///< in columns of its own, ShiftsRows()
   /// The curve is farther from 0 than a sensor's error can be, at this knot: no point is believed.
   std::optional<RangeKnot> absurd = std::nullopt;
 
