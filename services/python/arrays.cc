@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <regex>
 #include <vector>
 
 #include "common/core/depth_of_counts.h"
@@ -135,6 +136,10 @@ py::array Unmasked(const py::array& array) {
   if (!py::hasattr(array, "filled")) return array;
   const bool is_float = array.dtype().kind() == 'f';
   return py::array(array.attr("filled")(is_float ? std::numeric_limits<double>::quiet_NaN() : 0));
+}
+
+std::string ReprInOneLine(const py::handle& given) {
+  return std::regex_replace(std::string(py::repr(given)), std::regex("\\n *"), " ");
 }
 
 void Refuse(const std::string& name, const std::string& expected, const py::handle& given) {

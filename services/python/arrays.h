@@ -23,6 +23,9 @@ namespace py = pybind11;
 // What does not fit is a ValueError that names the argument, and type and shape, expected and
 // given.
 
+/// repr(), but of an array, too, one line.
+std::string ReprInOneLine(const py::handle& given);
+
 /// @throws pybind11::value_error "NAME: expected EXPECTED, given a float64 array of shape (2, 3)".
 [[noreturn]] void Refuse(const std::string& name, const std::string& expected,
                          const py::handle& given);

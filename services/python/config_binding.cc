@@ -6,6 +6,7 @@
 
 #include "common/core/digest.h"
 #include "common/core/printable.h"
+#include "services/python/arrays.h"
 #include "services/python/bindings.h"
 
 namespace sprout::python {
@@ -115,7 +116,7 @@ std::string TextOf(const py::handle& part) {
   if (py::isinstance<SproutConfig>(part)) return ConfigText(part.cast<const SproutConfig&>());
   throw py::value_error(
       "config: expected a preset, a path or text (str, os.PathLike, Config), given " +
-      std::string(py::repr(part)));
+      ReprInOneLine(part));
 }
 
 SproutConfig FromParts(const py::args& parts) {

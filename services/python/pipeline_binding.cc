@@ -27,7 +27,7 @@ Pose TakePose(const py::object& given) {
                            rotation.determinant() > 0 && matrix.allFinite();
   if (!is_rotation || matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
     throw py::value_error("pose: expected a rotation R, a place t and 0, 0, 0, 1, given " +
-                          std::string(py::repr(given)));
+                          ReprInOneLine(given));
   }
   return {Eigen::Quaterniond(rotation).normalized(), matrix.topRightCorner<3, 1>()};
 }

@@ -199,7 +199,7 @@ Eigen::Quaternion<double, Eigen::DontAlign> TakeRotation(const py::handle& rotat
   const double off = (matrix * matrix.transpose() - Eigen::Matrix3d::Identity()).norm();
   if (!(off < kTolerance) || matrix.determinant() < 0) {
     throw py::value_error("rotation: expected a rotation, R R^T = 1 and det R = 1, given " +
-                          std::string(py::repr(rotation)));
+                          ReprInOneLine(rotation));
   }
   return Eigen::Quaternion<double, Eigen::DontAlign>(matrix).normalized();
 }
