@@ -56,6 +56,14 @@ std::string PlaceText(const SensorPlace& place) {
       : place.spread != 1
           ? fmt::format("{:.2f} times as far from the middle of the left image (is that its lens?)",
                         place.spread)
+      : place.shear != 0
+          ? fmt::format(
+                "{:.2f} px further {} for each px further down (does it scan row by row "
+                "while it turns?)",
+                std::abs(place.shear), place.shear > 0 ? "right" : "left")
+      : place.in_right_image
+          ? "where the left camera sees them, and lie where the right one does (which matrix "
+            "projects them?)"
           : "about " + inputs::MoveText(place.move_px) + " in the left image";
   return fmt::format(
       "range points belong {} (there {:.0f} % of them agree with stereo, where they are "

@@ -56,6 +56,7 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   }
   SeedSet result;
   found_ = {};
+  before_move_.clear();
   left_seeds_ = {.seeds = std::move(left_seeds_.seeds)};
   // Projection of every ToF point to (u, u', v) (paper, II-A).
   points_ = projector.Project(tof, result.outside, std::move(points_));
@@ -119,8 +120,8 @@ void Refiner::Align(const cv::Mat1b& left, const cv::Mat1b& right, const TofImag
     ApplyOffset(found_.tof_offset, rig, points_);
   } else {
     found_.scan_move = scan_aligner_.Estimate(InputOf(left, right, rig), points_);
-    if (!found_.scan_move.is_off) return;
     before_move_ = points_;
+    if (!found_.scan_move.is_off) return;
     ApplyMove(found_.scan_move, rig, points_);
   }
   surface_.Set(rig, points_);
@@ -167,14 +168,19 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
                           const TofProjector& projector, SeedSet& result) {
   const Rig& rig = projector.rig();
   DropBesideEdges(left, right, rig, result);
-  found_.range_error = range_.Apply(
-      InputOf(left, right, rig),
-      {.field = config_.range_bias() == RefineConfig::FIELD,
-       .errs = bool{found_.fattening},
-       .error_m = config_.range_error_m(),
-       .matches = [&] { return stereo_.Find(left, right, {}, {}, 0, zones_.most_px()); }},
-      points_);
-  if (IsDisplaced(left, right, tof, projector)) found_.range_error.rejected = true;
+  const auto is_displaced = [&] {
+    found_.range_error = range_.Apply(
+        InputOf(left, right, rig),
+        {.field = config_.range_bias() == RefineConfig::FIELD,
+         .errs = bool{found_.fattening},
+         .error_m = config_.range_error_m(),
+         .matches = [&] { return stereo_.Find(left, right, {}, {}, 0, zones_.most_px()); }},
+        points_);
+    return IsDisplaced(left, right, tof, projector);
+  };
+  if (is_displaced() && !(AlignAgain(left, right, rig) && !is_displaced())) {
+    found_.range_error.rejected = true;
+  }
   const bool shows_nothing = found_.range_error.ShowsNothing();
   if (shows_nothing) TakeBack(rig, result);
   const float smoothed_px = found_.smoothing ? SurfaceRules::kSmoothedSigmaPx : 0;

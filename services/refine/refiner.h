@@ -97,6 +97,8 @@ class Refiner {
   bool IsWrongScan(const cv::Mat1b& left, const cv::Mat1b& right, const PlacedPoints& points);
   bool IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                    const TofProjector& projector);
+  bool KnowsWhereScanWas() const;
+  bool AlignAgain(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig);
   void DropNoise();
   RangeNoise Noise(const cv::Mat1b& left, const cv::Mat1b& right);
   void AddNoise(const cv::Mat1b& left, const cv::Mat1b& right);
@@ -117,7 +119,7 @@ class Refiner {
   TofSurface surface_;
   RangeBias range_;
   std::vector<ProjectedPoint> before_fattening_;
-  std::vector<ProjectedPoint> before_move_;  // of a scan
+  std::vector<ProjectedPoint> before_move_;  // of a scan, as projected
   UnsurePoints unsure_;
   RangeNoise noise_;                  // of the points
   std::vector<ProjectedPoint> kept_;  // first those whose window lies in both images

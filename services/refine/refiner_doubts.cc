@@ -14,7 +14,8 @@ bool Refiner::IsDoubtful(int columns) const {
   // Of few points nodes are too few to judge by.
   if (!surface_.has_pixels()) {
     return found_.range_error.contradicted_share > RangeRules::kDoubtfulScan ||
-           found_.range_error.moved_share > 0 || points_.size() < RangeRules::kFewOfScan;
+           found_.range_error.moved_share > 0 || found_.scan_move.is_off ||
+           points_.size() < RangeRules::kFewOfScan;
   }
   const auto most_px = static_cast<float>(stereo_.MostDisparityPx(columns));
   const auto near = std::ranges::count_if(
@@ -44,7 +45,10 @@ bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const T
                       .spacing_px = {surface_.column_px(), surface_.row_px()},
                       .image = left.size(),
                       .infinity_px = projector.rig().pair.cx - projector.rig().pair.cx_right};
-  if (!surface_.has_pixels()) return IsWrongScan(left, right, points);
+  if (!surface_.has_pixels()) {
+    points.raw = KnowsWhereScanWas() ? before_move_ : points_;
+    return IsWrongScan(left, right, points);
+  }
   int behind = 0;
   const std::vector<ProjectedPoint> raw = projector.Project(tof, behind);
   points.raw = raw;
@@ -73,22 +77,49 @@ bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const T
 }
 
 // Points of a scan are compared with the matches at their own places alone: between beams the scene
-// may differ. As above coarse matches are asked first.
+// may differ. As above coarse matches are asked first, all of them: where a road recedes, those
+// beside a point are off.
 bool Refiner::IsWrongScan(const cv::Mat1b& left, const cv::Mat1b& right,
                           const PlacedPoints& points) {
   const double reach_px = stereo_.SpacingPx(left.cols);
-  const auto share_against = [&](std::span<const Seed> matches) {
-    return ShareAgainst(left, right, points_, matches, reach_px);
-  };
   double error_px = 0;
-  if (share_against(stereo_.FindCoarse(left, right, error_px)) <= RangeRules::kDoubtfulScan) {
-    return false;
-  }
+  const std::span<const Seed> coarse = stereo_.FindCoarse(left, right, error_px, 1);
+  const bool contradicts =
+      ShareAgainst(left, right, points_, coarse, reach_px) > RangeRules::kDoubtfulScan;
+  const bool may_be_displaced =
+      FindScanPlace(points, coarse, 2 * error_px, RangeRules::kAgreePx + error_px,
+                    RangeRules::kFirstLook)
+          .is_displaced;
+  if (!contradicts && !may_be_displaced) return false;
   const std::span<const Seed> matches = stereo_.Find(left, right, {}, {}, 0, zones_.most_px());
   if (PairShiftsRows(points, matches)) return false;
-  const double share = share_against(matches);
+  found_.sensor_place = FindScanPlace(points, matches, reach_px, RangeRules::kAgreePx);
+  if (found_.sensor_place.is_displaced) {
+    found_.scan_move = {};
+    return true;
+  }
+  const double share = ShareAgainst(left, right, points_, matches, reach_px);
   if (share <= RangeRules::kWrongScan) return false;
   found_.contradiction = {.points = std::vector<uint8_t>(points_.size(), 1), .share = share};
+  return true;
+}
+
+// Whether it is known where the points of a scan were before they were moved.
+bool Refiner::KnowsWhereScanWas() const {
+  return !surface_.has_pixels() && before_move_.size() == points_.size();
+}
+
+// Puts a scan right which stereo shows to be farther off than its alignment looks by itself.
+bool Refiner::AlignAgain(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig) {
+  const SensorPlace& place = found_.sensor_place;
+  if (!KnowsWhereScanWas() || !place.is_displaced || !place.IsMove()) return false;
+  points_ = before_move_;
+  surface_.Set(rig, points_);
+  found_.scan_move = scan_aligner_.Estimate(InputOf(left, right, rig), points_, &place.move_px);
+  if (!found_.scan_move.is_off) return false;
+  found_.sensor_place = {};
+  ApplyMove(found_.scan_move, rig, points_);
+  surface_.Set(rig, points_);
   return true;
 }
 

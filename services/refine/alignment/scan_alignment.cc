@@ -105,11 +105,11 @@ void ScanAligner::Look(const RangeInput& input, const Move& move,
   });
 }
 
-// Eq. (A8).
+// Eq. (A8), from where the search starts.
 double ScanAligner::CostOf(const RangeInput& input, const Move& move) {
   if (move.isZero(0)) return Mean(excess_here_);
-  const double length_px =
-      Eigen::Vector4d(move.x(), move.y(), move.z() / m_per_px_, move.w()).norm();
+  const Move way = move - start_;
+  const double length_px = Move(way.x(), way.y(), way.z() / m_per_px_, way.w()).norm();
   if (!(length_px <= Rules::kMaxMovePx)) return std::numeric_limits<double>::infinity();
   Look(input, move, excess_);
   return Mean(excess_) + Rules::kMovePrice * length_px;
@@ -182,21 +182,26 @@ void ScanAligner::Refine(const RangeInput& input, Freedom freedom, Candidate& ca
   Look(input, candidate.move, candidate.excess);
 }
 
-ScanMove ScanAligner::Estimate(const RangeInput& input, std::span<const ProjectedPoint> points) {
-  Take(input, points, Rules::kFirstScanPoints);
-  if (nodes_.size() < Rules::kFewestScanPoints) return {};
-  const Move nowhere = Move::Zero();
-  const double here = CostOf(input, nowhere);
+// Whether a first step to any side helps; right scans end here.
+bool ScanAligner::MayBeOff(const RangeInput& input) {
+  const double here = CostOf(input, Move::Zero());
   const auto is_better = [&](const Move& move) { return CostOf(input, move) < here; };
   std::vector<Move> first = StepsOf(Rules::kFirstStepPx, Freedom::kTurnAndMotion);
   first.push_back(StepsOf(Rules::kFirstStepPx, Freedom::kTurnAndRoll).back());
-  if (std::ranges::none_of(first,
-                           [&](const Move& step) { return is_better(step) || is_better(-step); })) {
-    return {};
-  }
-  turn_.move = Descend(input, nowhere, Rules::kFirstStepPx, Freedom::kTurn);
-  roll_.move = Descend(input, nowhere, Rules::kFirstStepPx, Freedom::kTurnAndRoll);
-  motion_.move = Descend(input, nowhere, Rules::kFirstStepPx, Freedom::kTurnAndMotion);
+  return std::ranges::any_of(first,
+                             [&](const Move& step) { return is_better(step) || is_better(-step); });
+}
+
+ScanMove ScanAligner::Estimate(const RangeInput& input, std::span<const ProjectedPoint> points,
+                               const cv::Point2d* start_px) {
+  start_ = Move::Zero();
+  if (start_px != nullptr) start_.head<2>() << start_px->x, start_px->y;
+  Take(input, points, Rules::kFirstScanPoints);
+  if (nodes_.size() < Rules::kFewestScanPoints) return {};
+  if (start_px == nullptr && !MayBeOff(input)) return {};
+  turn_.move = Descend(input, start_, Rules::kFirstStepPx, Freedom::kTurn);
+  roll_.move = Descend(input, start_, Rules::kFirstStepPx, Freedom::kTurnAndRoll);
+  motion_.move = Descend(input, start_, Rules::kFirstStepPx, Freedom::kTurnAndMotion);
   Take(input, points, Rules::kMaxScanPoints);
   Refine(input, Freedom::kTurn, turn_);
   Refine(input, Freedom::kTurnAndRoll, roll_);

@@ -32,12 +32,15 @@ struct ScanMove {
 class ScanAligner {
  public:
   /// @param points  those of input.surface.
+  /// @param start_px  null, or where stereo shows that they belong, to be added in the left image:
+  ///                  the search starts there, and always.
   /// @returns a move that is not off if there is none, or if an error of the ranges that all points
   /// share explains the images better: eqs. (A7) to (A10) of the README.
   /// O(points), 0.25 µs a look at a point: 1200 points are looked at in eight places, and in about
   /// 100 if one of these is better. No I/O; on OpenCV's threads, with the same result for any
   /// number.
-  ScanMove Estimate(const RangeInput& input, std::span<const ProjectedPoint> points);
+  ScanMove Estimate(const RangeInput& input, std::span<const ProjectedPoint> points,
+                    const cv::Point2d* start_px = nullptr);
 
  private:
   // How the points are moved: by (x, y) in the left image, px; z nearer, m; and rolled by w, px at
@@ -53,6 +56,7 @@ class ScanAligner {
   void Look(const RangeInput& input, const Move& move, std::vector<float>& excess) const;
   void Refine(const RangeInput& input, Freedom freedom, Candidate& candidate);
   double CostOf(const RangeInput& input, const Move& move);
+  bool MayBeOff(const RangeInput& input);
   std::vector<Move> StepsOf(double step_px, Freedom freedom) const;
   Move Descend(const RangeInput& input, Move from, double step_px, Freedom freedom);
   double GainInSigmas(const std::vector<float>& before, const std::vector<float>& after) const;
@@ -62,6 +66,7 @@ class ScanAligner {
   std::vector<float> excess_here_;  // of the nodes
   std::vector<float> excess_;       // the same elsewhere
   double m_per_px_ = 0;             // depth that changes the disparity of a near point by 1 px
+  Move start_;                      // where the search starts
   Candidate turn_;
   Candidate roll_;
   Candidate motion_;

@@ -189,6 +189,9 @@ struct RangeRules {
   /// Ranges that are tried are up to so many times as long or short, in steps of 1 %: 2 px at 200.
   static constexpr double kMaxScale = 1.43;
   static constexpr double kScaleStep = 0.01;
+  /// Shear of a scan's rows that is tried, px across a px down: up to so many steps to either side.
+  static constexpr double kShearStep = 0.02;
+  static constexpr int kShearSteps = 15;
   static constexpr size_t kMostMatches = 1000;
   /// Points and stereo agree to so many px.
   static constexpr double kAgreePx = 2;
@@ -204,6 +207,9 @@ struct RangeRules {
   /// rows up to 0.82.
   static constexpr double kMoveFits = 0.85;
   static constexpr double kMoveSigmas = 3;
+  /// The same gain of a scan: of 145 right ones none gains 0.02 and 2 standard deviations; sheared,
+  /// yawed and moved ones 0.016 to 0.2.
+  static constexpr double kScanMoveGain = 0.02;
   /// Half of gain and standard deviations is enough for a second, finer look.
   static constexpr double kFirstLook = 0.5;
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/core/window_sums.h"
 #include "services/refine/range/range_rules.h"
 
 namespace sprout::refine {
@@ -14,30 +15,32 @@ struct Elsewhere {
   cv::Point2d move_px;
   double spread = 1;
   double scale = 1;
+  double shear = 0;
+  bool in_right_image = false;
 };
 
-// Disparities of points by their places in the left image.
-class PointMap {
+// Disparities by their places in the left image: of points, or of matches if points are asked for.
+class PlaceMap {
  public:
-  PointMap(const PlacedPoints& all, std::span<const ProjectedPoint> points, double agree_px)
+  PlaceMap(const PlacedPoints& all, cv::Size2d cell_px, double agree_px)
       : agree_px_(agree_px),
         infinity_px_(all.infinity_px),
         centre_(all.image.width / 2.0, all.image.height / 2.0),
-        wide_(std::max(1.0, all.spacing_px.width)),
-        high_(std::max(1.0, all.spacing_px.height)),
+        wide_(std::max(1.0, cell_px.width)),
+        high_(std::max(1.0, cell_px.height)),
         map_(static_cast<int>(all.image.height / high_) + 1,
-             static_cast<int>(all.image.width / wide_) + 1, kNothing) {
-    for (const ProjectedPoint& point : points) {
-      const cv::Point cell = CellOf({point.seed.u, point.seed.v});
-      if (!IsIn(cell)) continue;
-      map_(cell) = std::max(map_(cell), point.seed.disparity());
-    }
+             static_cast<int>(all.image.width / wide_) + 1, kNothing) {}
+
+  void Put(const Seed& seed) {
+    const cv::Point cell = CellOf({seed.u, seed.v});
+    if (IsIn(cell)) map_(cell) = std::max(map_(cell), seed.disparity());
   }
 
-  // What the points say of a match when all are scaled, spread and moved.
+  // What it says of a match when all that it holds is scaled, spread, moved and sheared.
   enum class Vote { kNone, kAgrees, kDisagrees };
   Vote Ask(const Seed& match, const Elsewhere& where) const {
-    const cv::Point2d there(match.u, match.v);
+    cv::Point2d there(match.u - where.shear * (match.v - centre_.y), match.v);
+    if (where.in_right_image) there.x += match.disparity();
     const cv::Point cell = CellOf(centre_ + (there - where.move_px - centre_) / where.spread);
     const float here = IsIn(cell) ? map_(cell) : kNothing;
     if (here == kNothing) return Vote::kNone;
@@ -64,10 +67,10 @@ struct Count {
   size_t compared = 0;
   size_t agreeing = 0;
 
-  void Add(PointMap::Vote vote) {
-    if (vote == PointMap::Vote::kNone) return;
+  void Add(PlaceMap::Vote vote) {
+    if (vote == PlaceMap::Vote::kNone) return;
     ++compared;
-    if (vote == PointMap::Vote::kAgrees) ++agreeing;
+    if (vote == PlaceMap::Vote::kAgrees) ++agreeing;
   }
   double share() const {
     return compared == 0 ? 0 : static_cast<double>(agreeing) / static_cast<double>(compared);
@@ -77,7 +80,7 @@ struct Count {
 // Finds where most of the matches agree with the points.
 class PlaceSearch {
  public:
-  PlaceSearch(const PointMap& map, std::span<const Seed> matches)
+  PlaceSearch(const PlaceMap& map, std::span<const Seed> matches)
       : map_(map),
         matches_(matches),
         step_(matches.size() / RangeRules::kMostMatches + 1),
@@ -85,11 +88,11 @@ class PlaceSearch {
         fewest_(CountAt({}).compared / 2) {}
 
   // Of a grid over all moves, then of finer ones.
-  Elsewhere BestMove(int width) {
+  Elsewhere BestMove(int width, int steps_down = RangeRules::kMoveSteps) {
     most_ = kNoShare;
     double step_px = RangeRules::kMaxDisplacement * width / RangeRules::kMoveSteps;
-    LookAround({}, step_px, RangeRules::kMoveSteps);
-    for (int i = 0; i < RangeRules::kMoveRounds; ++i) LookAround(best_, step_px /= 2, 1);
+    LookAround({}, step_px, {RangeRules::kMoveSteps, steps_down});
+    for (int i = 0; i < RangeRules::kMoveRounds; ++i) LookAround(best_, step_px /= 2, {1, 1});
     return best_;
   }
 
@@ -102,6 +105,15 @@ class PlaceSearch {
       const double from = best_.spread;  // `best_` changes meanwhile
       LookAt({.move_px = {}, .spread = from * (1 - step)});
       LookAt({.move_px = {}, .spread = from * (1 + step)});
+    }
+    return best_;
+  }
+
+  // Of sheared rows.
+  Elsewhere BestShear() {
+    most_ = kNoShare;
+    for (int i = -RangeRules::kShearSteps; i <= RangeRules::kShearSteps; ++i) {
+      LookAt({.move_px = {}, .shear = RangeRules::kShearStep * i});
     }
     return best_;
   }
@@ -138,15 +150,15 @@ class PlaceSearch {
   }
 
   // By value: `best_` changes meanwhile.
-  void LookAround(const Elsewhere from, double step_px, int reach) {
-    for (int y = -reach; y <= reach; ++y) {
-      for (int x = -reach; x <= reach; ++x) {
+  void LookAround(const Elsewhere from, double step_px, const cv::Size& reach) {
+    for (int y = -reach.height; y <= reach.height; ++y) {
+      for (int x = -reach.width; x <= reach.width; ++x) {
         LookAt({.move_px = from.move_px + step_px * cv::Point2d(x, y)});
       }
     }
   }
 
-  const PointMap& map_;
+  const PlaceMap& map_;
   std::span<const Seed> matches_;
   size_t step_;
   double asked_;
@@ -155,25 +167,43 @@ class PlaceSearch {
   size_t fewest_;  // last: it is counted
 };
 
-// Whether the points as measured fit better elsewhere than the corrected ones where they are.
-SensorPlace Compare(const PlacedPoints& points, const PointMap& raw, const PointMap& corrected,
-                    std::span<const Seed> matches, const Elsewhere& elsewhere, double strictness) {
-  SensorPlace place{
-      .move_px = elsewhere.move_px, .spread = elsewhere.spread, .scale = elsewhere.scale};
+// What a place must show to be believed.
+struct Demands {
+  double fits;  // least share of the matches that agrees there
+  double gain;  // so many more are enough
+  double strictness;
+};
+
+// Disparities, and what is asked of them.
+struct Question {
+  const PlaceMap& map;
+  std::span<const Seed> asked;
+};
+
+// Whether the points as measured fit better elsewhere than the corrected ones where they are. Both
+// ask of the same places or points, in the same order.
+SensorPlace Compare(const PlacedPoints& points, const Question& raw, const Question& corrected,
+                    const Elsewhere& elsewhere, const Demands& demands) {
+  SensorPlace place{.move_px = elsewhere.move_px,
+                    .spread = elsewhere.spread,
+                    .scale = elsewhere.scale,
+                    .shear = elsewhere.shear,
+                    .in_right_image = elsewhere.in_right_image};
   // Matches side by side err together, so blocks of them are counted.
   constexpr int kBlocks = RangeRules::kMoveBlocks;
   cv::Mat1d gains(kBlocks, kBlocks, 0.0);
   Count as_is, moved;
-  for (const Seed& match : matches) {
-    const PointMap::Vote here = corrected.Ask(match, {});
-    const PointMap::Vote there = raw.Ask(match, elsewhere);
-    if (here == PointMap::Vote::kNone || there == PointMap::Vote::kNone) continue;
+  for (size_t i = 0; i < corrected.asked.size(); ++i) {
+    const Seed& match = corrected.asked[i];
+    const PlaceMap::Vote here = corrected.map.Ask(match, {});
+    const PlaceMap::Vote there = raw.map.Ask(raw.asked[i], elsewhere);
+    if (here == PlaceMap::Vote::kNone || there == PlaceMap::Vote::kNone) continue;
     as_is.Add(here);
     moved.Add(there);
     if (here == there) continue;
     const cv::Point block(static_cast<int>(match.u) * kBlocks / points.image.width,
                           static_cast<int>(match.v) * kBlocks / points.image.height);
-    gains(block) += there == PointMap::Vote::kAgrees ? 1 : -1;
+    gains(block) += there == PlaceMap::Vote::kAgrees ? 1 : -1;
   }
   place.agree_as_is = as_is.share();
   place.agree_moved = moved.share();
@@ -182,32 +212,63 @@ SensorPlace Compare(const PlacedPoints& points, const PointMap& raw, const Point
   // Half a pixel of the sensor does no harm.
   const double pixels = std::hypot(place.move_px.x / points.spacing_px.width,
                                    place.move_px.y / points.spacing_px.height);
-  const bool is_far = place.spread != 1 || place.scale != 1 || pixels >= 1;
+  const bool is_far = !place.IsMove() || pixels >= 1;
   // Where stereo itself errs less, so many are enough: what does not agree anywhere is its errors.
-  const double enough = std::min(RangeRules::kMoveGain, 1 - place.agree_moved);
+  const double enough = std::min(demands.gain, 1 - place.agree_moved);
   place.is_displaced = is_far && as_is.compared >= RangeRules::kFewestCompared &&
-                       place.agree_moved > RangeRules::kMoveFits &&
-                       place.gain_sigmas > strictness * RangeRules::kMoveSigmas &&
-                       place.agree_moved - place.agree_as_is > strictness * enough;
+                       place.agree_moved > demands.fits &&
+                       place.gain_sigmas > demands.strictness * RangeRules::kMoveSigmas &&
+                       place.agree_moved - place.agree_as_is > demands.strictness * enough;
   return place;
+}
+
+// The better one: of two that are alike in whether they are believed, where more agree.
+const SensorPlace& Better(const SensorPlace& one, const SensorPlace& other) {
+  if (one.is_displaced != other.is_displaced) return one.is_displaced ? one : other;
+  return other.agree_moved > one.agree_moved ? other : one;
 }
 
 }  // namespace
 
 SensorPlace FindSensorPlace(const PlacedPoints& points, std::span<const Seed> matches,
                             double agree_px, double strictness) {
-  const PointMap raw(points, points.raw, agree_px);
-  const PointMap corrected(points, points.corrected, agree_px);
+  PlaceMap raw(points, points.spacing_px, agree_px);
+  PlaceMap corrected(points, points.spacing_px, agree_px);
+  for (const ProjectedPoint& point : points.raw) raw.Put(point.seed);
+  for (const ProjectedPoint& point : points.corrected) corrected.Put(point.seed);
+  const Demands demands{RangeRules::kMoveFits, RangeRules::kMoveGain, strictness};
   PlaceSearch search(raw, matches);
   SensorPlace best;
   for (const Elsewhere& elsewhere :
        {search.BestMove(points.image.width), search.BestSpread(), search.BestScale()}) {
-    const SensorPlace place = Compare(points, raw, corrected, matches, elsewhere, strictness);
-    const bool is_better = place.is_displaced == best.is_displaced
-                               ? place.agree_moved > best.agree_moved
-                               : place.is_displaced;
-    if (is_better) best = place;
+    best = Better(best, Compare(points, {raw, matches}, {corrected, matches}, elsewhere, demands));
   }
+  return best;
+}
+
+SensorPlace FindScanPlace(const PlacedPoints& points, std::span<const Seed> matches, double cell_px,
+                          double agree_px, double strictness) {
+  PlaceMap map(points, {cell_px, cell_px}, agree_px);
+  for (const Seed& match : matches) map.Put(match);
+  std::vector<Seed> raw, corrected;
+  for (size_t i = 0; i < points.corrected.size(); ++i) {
+    const Seed& seed = points.corrected[i].seed;
+    if (!IsInside(seed.u, seed.v, points.image, 0)) continue;
+    raw.push_back(points.raw[i].seed);
+    corrected.push_back(seed);
+  }
+  const Demands demands{0, RangeRules::kScanMoveGain, strictness};
+  PlaceSearch search(map, raw);
+  const int steps_down = RangeRules::kMoveSteps * points.image.height / points.image.width;
+  SensorPlace best;
+  for (const Elsewhere& elsewhere :
+       {search.BestMove(points.image.width, steps_down), search.BestShear(),
+        Elsewhere{.move_px = {}, .in_right_image = true}}) {
+    best = Better(best, Compare(points, {map, raw}, {map, corrected}, elsewhere, demands));
+  }
+  // So far they are what the matches would have to be moved by.
+  best.move_px = -best.move_px;
+  best.shear = -best.shear;
   return best;
 }
 

@@ -188,7 +188,7 @@ StereoMatcherSettings StereoSeedFinder::SettingsFor(int width, int columns) cons
 }
 
 std::span<const Seed> StereoSeedFinder::FindCoarse(const cv::Mat1b& left, const cv::Mat1b& right,
-                                                   double& error_px) {
+                                                   double& error_px, int step) {
   StereoMatcherSettings settings = SettingsFor(left.cols, columns_);
   settings.most_pixels = std::min(settings.most_pixels, StereoRules::kFewPixels);
   settings.diagonal = false;
@@ -199,8 +199,8 @@ std::span<const Seed> StereoSeedFinder::FindCoarse(const cv::Mat1b& left, const 
   error_px = scale / 2;
   const auto px = [&](int at) { return static_cast<float>((at + 0.5) * scale - 0.5); };
   seeds_.clear();
-  for (int v = 0; v < map.rows; v += StereoRules::kCoarseStep) {
-    for (int u = 0; u < map.cols; u += StereoRules::kCoarseStep) {
+  for (int v = 0; v < map.rows; v += step) {
+    for (int u = 0; u < map.cols; u += step) {
       if (std::isnan(map(v, u))) continue;
       seeds_.push_back({.u = px(u),
                         .v = px(v),

@@ -8,6 +8,7 @@
 #include "common/core/seed.h"
 #include "services/refine/stereo/point_surface.h"
 #include "services/refine/stereo/stereo_matcher.h"
+#include "services/refine/stereo/stereo_rules.h"
 
 namespace sprout::refine {
 
@@ -46,7 +47,9 @@ class StereoSeedFinder {
   /// Matches of a few pixels, see kFewPixels, for a first look: positions and disparities are good
   /// to about half a px of what they were matched on, `error_px`. A tenth of Find()'s time without
   /// points; valid until the next call of any.
-  std::span<const Seed> FindCoarse(const cv::Mat1b& left, const cv::Mat1b& right, double& error_px);
+  /// @param step  above 0: of every so many of its rows and columns.
+  std::span<const Seed> FindCoarse(const cv::Mat1b& left, const cv::Mat1b& right, double& error_px,
+                                   int step = StereoRules::kCoarseStep);
 
   /// The share of matches whose disparity is, or may be, negative down to −columns. Images are
   /// halved until they have kFewPixels with so many more columns; a disparity of up to half of one

@@ -24,17 +24,37 @@ BoxScene ScatteredScene(int move_px) {
   return scene;
 }
 
-TEST(WrongScan, IsNotBelieved) {
-  BoxScene wrong = ScatteredScene(60);
-  Refiner refiner{RefineConfig()};
+// The same where every fifth return is of another depth.
+BoxScene MixedScene() {
+  BoxScene scene = ScatteredScene(0);
+  int returns = 0;
+  for (float& depth_m : scene.tof.depth_m) {
+    if (depth_m > 0 && ++returns % 5 == 0) depth_m *= 1.3F;
+  }
+  return scene;
+}
+
+void ExpectNoneIsBelieved(BoxScene wrong, Refiner& refiner) {
   const auto seeds = refiner.Compute(wrong.left, wrong.right, wrong.tof, TofProjector(wrong.rig));
   EXPECT_TRUE(refiner.found().range_error.rejected);
-  EXPECT_NEAR(refiner.found().contradiction.share, 0.17, 0.05);
   EXPECT_EQ(seeds->contradicted, seeds->raw - seeds->outside);
   EXPECT_TRUE(refiner.left_seeds().seeds.empty());
   wrong.tof = {};
   wrong.rig.tof = {};
   EXPECT_EQ(seeds->seeds, wrong.Refine(RefineConfig())->seeds);
+}
+
+TEST(WrongScan, IsNotBelieved) {
+  Refiner refiner{RefineConfig()};
+  ExpectNoneIsBelieved(MixedScene(), refiner);
+  EXPECT_NEAR(refiner.found().contradiction.share, 0.17, 0.05);
+}
+
+// Too far to be put right: that takes edges of more than these boxes.
+TEST(WrongScan, IsNotBelievedElsewhere) {
+  Refiner refiner{RefineConfig()};
+  ExpectNoneIsBelieved(ScatteredScene(60), refiner);
+  EXPECT_NEAR(refiner.found().sensor_place.move_px.x, -60, 2);
 }
 
 TEST(WrongScan, IsNoRightOne) {
@@ -88,10 +108,16 @@ TEST(WrongRange, IsRefusedWhereItIsTheOnlyOne) {
 }
 
 TEST(WrongScan, IsSaid) {
-  const StageResult result = RefineAdapter(RefineConfig()).Process(FrameOf(ScatteredScene(60)));
+  const StageResult result = RefineAdapter(RefineConfig()).Process(FrameOf(MixedScene()));
   EXPECT_TRUE(result.ranges_refused);
   EXPECT_THAT(result.degenerate, HasSubstr("stereo contradicts the range points at"));
   EXPECT_EQ(result.finding.value_or(""), "");
+  RefineFindings found;
+  found.sensor_place = {.is_displaced = true, .move_px = {}, .shear = -0.15};
+  EXPECT_THAT(DegenerateText(found, {}, true),
+              HasSubstr("belong 0.15 px further left for each px further down"));
+  found.sensor_place = {.is_displaced = true, .move_px = {}, .in_right_image = true};
+  EXPECT_THAT(DegenerateText(found, {}, true), HasSubstr("lie where the right one does"));
 }
 
 }  // namespace

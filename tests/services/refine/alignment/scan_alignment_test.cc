@@ -23,6 +23,7 @@ struct ScanError {
   double roll_rad = 0;               // and turned about the optical axis, clockwise > 0
   double farther_m = 0;              // the rig has moved forward since; less than 0: is yet to
   double longer_m = 0;               // its ranges are too long
+  bool in_right_image = false;       // its points are projected for the right camera
 };
 
 // A frame of the simulated room, as a lidar sees it from the left camera's place: a return every 4
@@ -37,6 +38,7 @@ struct ScanScene : Scene {
     left = ToGrey(frame.left);
     right = ToGrey(frame.right);
     rig.pair = source->rig().pair;
+    truth = frame.truth.left;
     rig.tof = TofOverLeft(rig.pair, left.size());
     tof.depth_m = cv::Mat1f(left.size(), std::numeric_limits<float>::quiet_NaN());
     for (int v = 3; v < left.rows; v += 10) {
@@ -45,8 +47,8 @@ struct ScanScene : Scene {
         if (!(disparity > 0)) continue;
         const double across = u - rig.pair.cx;
         const double down = v - rig.pair.cy;
-        Add({u + error.right_px - error.roll_rad * down,
-             v + error.down_px + error.roll_rad * across},
+        const double beside_px = error.right_px - (error.in_right_image ? disparity : 0);
+        Add({u + beside_px - error.roll_rad * down, v + error.down_px + error.roll_rad * across},
             rig.pair.DepthFromDisparity(disparity), error);
       }
     }
@@ -61,6 +63,7 @@ struct ScanScene : Scene {
   }
 
   std::vector<ProjectedPoint> points;
+  cv::Mat1f truth;  // disparities of the left image
 
  private:
   void Add(const cv::Point2d& at, double z, const ScanError& error) {
@@ -222,6 +225,48 @@ TEST(Refiner, MovesAScanThatIsOff) {
     ++compared;
   }
   EXPECT_GT(compared, 500);
+}
+
+// By the seeds that it makes of the scan: how many, and how many of them by more than 1 px off.
+struct Believed {
+  int seeds = 0;
+  int wrong = 0;
+};
+
+Believed BelievedOf(Refiner& refiner, const ScanScene& scene) {
+  const SeedSet seeds =
+      refiner.Compute(scene.left, scene.right, scene.tof, TofProjector(scene.rig)).value();
+  Believed believed;
+  for (const Seed& seed : seeds.seeds) {
+    if (seed.origin != SeedOrigin::kTof) continue;
+    ++believed.seeds;
+    const float there =
+        scene.truth(static_cast<int>(std::lround(seed.v)), static_cast<int>(std::lround(seed.u)));
+    if (!(std::abs(there - seed.disparity()) <= 1)) ++believed.wrong;
+  }
+  return believed;
+}
+
+// Farther than the alignment looks by itself.
+TEST(Refiner, MovesAScanThatStereoShowsToBeFarOff) {
+  const ScanScene scene({.right_px = 36});
+  ASSERT_GT(scene.Estimate().du_px, -33);
+  Refiner refiner{RefineConfig()};
+  const Believed believed = BelievedOf(refiner, scene);
+  EXPECT_TRUE(refiner.found().scan_move.is_off);
+  EXPECT_NEAR(refiner.found().scan_move.du_px, -36, 2);
+  EXPECT_NEAR(refiner.found().scan_move.dv_px, 0, 1);
+  EXPECT_FALSE(refiner.found().sensor_place.is_displaced);
+  EXPECT_GT(believed.seeds, 1000);
+  EXPECT_LT(believed.wrong, believed.seeds / 10);
+}
+
+TEST(Refiner, BelievesNoScanOfTheRightImage) {
+  Refiner refiner{RefineConfig()};
+  EXPECT_EQ(BelievedOf(refiner, ScanScene({.in_right_image = true})).seeds, 0);
+  EXPECT_TRUE(refiner.found().sensor_place.in_right_image);
+  EXPECT_FALSE(refiner.found().scan_move.is_off);
+  EXPECT_GT(BelievedOf(refiner, ScanScene()).seeds, 1000);
 }
 
 // Two fifths of the right image show something else, so it is the pair that is wrong.

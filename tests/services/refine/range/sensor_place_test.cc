@@ -153,5 +153,54 @@ TEST(SensorPlace, CannotBeToldFromFewMatches) {
   EXPECT_FALSE(FindSensorPlace(placed, {}, 2).is_displaced);
 }
 
+// A scan of 20 beams, whose points are projected beside their places.
+SensorPlace FindOfScan(const std::function<cv::Point2d(const Seed&)>& beside) {
+  std::vector<ProjectedPoint> points;
+  for (double v = 10; v < kImage.height; v += 20) {
+    for (double u = 2; u < kImage.width; u += 4) {
+      const double disparity = BoxesPx({u, v});
+      const cv::Point2d at = cv::Point2d(u, v) + beside(SeedAt(u, v, disparity));
+      points.push_back({.seed = SeedAt(at.x, at.y, disparity)});
+    }
+  }
+  return FindScanPlace({points, points, {4, 20}, kImage}, Matches(), 8, 2);
+}
+
+TEST(ScanPlace, IsRightForAScanThatIsWhereItShouldBe) {
+  const SensorPlace place = FindOfScan([](const Seed&) { return cv::Point2d(); });
+  EXPECT_FALSE(place.is_displaced);
+}
+
+TEST(ScanPlace, FindsWhereAScanBelongs) {
+  for (const cv::Point2d& off_px : {cv::Point2d(20, 0), {-32, 8}, {24, -30}}) {
+    const SensorPlace place = FindOfScan([&](const Seed&) { return off_px; });
+    EXPECT_TRUE(place.is_displaced && place.IsMove()) << off_px;
+    EXPECT_GT(place.agree_moved, 0.9) << off_px;
+    EXPECT_NEAR(place.move_px.x, -off_px.x, 5) << off_px;
+    EXPECT_NEAR(place.move_px.y, -off_px.y, 5) << off_px;
+  }
+}
+
+TEST(ScanPlace, FindsShearedRows) {
+  for (const double shear : {0.16, -0.2}) {
+    const SensorPlace place = FindOfScan(
+        [&](const Seed& seed) { return cv::Point2d(shear * (seed.v - kImage.height / 2.0), 0); });
+    EXPECT_TRUE(place.is_displaced && !place.IsMove()) << shear;
+    EXPECT_NEAR(place.shear, -shear, 0.03);
+  }
+}
+
+TEST(ScanPlace, FindsPointsOfTheRightImage) {
+  const SensorPlace place =
+      FindOfScan([&](const Seed& seed) { return cv::Point2d(-double{seed.disparity()}, 0); });
+  EXPECT_TRUE(place.is_displaced && place.in_right_image);
+}
+
+TEST(ScanPlace, CannotBeToldWithoutMatches) {
+  const std::vector<ProjectedPoint> points = Points(BoxesPx);
+  EXPECT_FALSE(FindScanPlace({points, points, {4, 20}, kImage}, {}, 8, 2).is_displaced);
+  EXPECT_FALSE(FindScanPlace({{}, {}, {4, 20}, kImage}, Matches(), 8, 2).is_displaced);
+}
+
 }  // namespace
 }  // namespace sprout::refine
