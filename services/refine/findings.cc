@@ -49,26 +49,31 @@ std::string FatteningText(const Fattening& fattening) {
       fattening.width, fattening.width == 1 ? "" : "s", 100 * fattening.dropped_share);
 }
 
+std::string WhereText(const SensorPlace& place) {
+  if (place.scale != 1) {
+    return fmt::format("{:.2f} times as far away (unit, focal length, baseline?)", 1 / place.scale);
+  }
+  if (place.spread != 1) {
+    return fmt::format("{:.2f} times as far from the middle of the left image (is that its lens?)",
+                       place.spread);
+  }
+  if (place.shear != 0) {
+    return fmt::format(
+        "{:.2f} px further {} for each px further down (does it scan row by row while it turns?)",
+        std::abs(place.shear), place.shear > 0 ? "right" : "left");
+  }
+  if (place.in_right_image) {
+    return "where the left camera sees them, and lie where the right one does (which matrix "
+           "projects them?)";
+  }
+  return "about " + inputs::MoveText(place.move_px) + " in the left image";
+}
+
 std::string PlaceText(const SensorPlace& place) {
-  const std::string where =
-      place.scale != 1
-          ? fmt::format("{:.2f} times as far away (unit, focal length, baseline?)", 1 / place.scale)
-      : place.spread != 1
-          ? fmt::format("{:.2f} times as far from the middle of the left image (is that its lens?)",
-                        place.spread)
-      : place.shear != 0
-          ? fmt::format(
-                "{:.2f} px further {} for each px further down (does it scan row by row "
-                "while it turns?)",
-                std::abs(place.shear), place.shear > 0 ? "right" : "left")
-      : place.in_right_image
-          ? "where the left camera sees them, and lie where the right one does (which matrix "
-            "projects them?)"
-          : "about " + inputs::MoveText(place.move_px) + " in the left image";
   return fmt::format(
       "range points belong {} (there {:.0f} % of them agree with stereo, where they are "
       "{:.0f} %): none is believed",
-      where, 100 * place.agree_moved, 100 * place.agree_as_is);
+      WhereText(place), 100 * place.agree_moved, 100 * place.agree_as_is);
 }
 
 // Why all range points are refused, or should be, or the images say nothing of them.

@@ -50,6 +50,21 @@ TEST_F(ReplayInputTest, MergesByTimeAndAtOneTimeInTheOrderOfTheLogs) {
   EXPECT_THAT(Names({b, a}), ElementsAre("B@1", "A@1", "B@5", "A@5", "B@7", "A@9"));
 }
 
+// Two parts of one recording, in either order.
+TEST_F(ReplayInputTest, SaysWhatIsLeftOutOfOtherFrames) {
+  const std::string a = Write("a", {LeftEvent(0, 10), LeftEvent(1, 11)});
+  const std::string b = Write("b", {LeftEvent(2, 12), LeftEvent(3, 13)});
+  for (const std::vector<std::string>& logs : {std::vector{a, b}, {b, a}}) {
+    ReplayInput input(logs, "", {"SPROUT_LEFT"});
+    for (LogEvent event; input.Next(event);) {
+    }
+    EXPECT_THAT(input.LeftOut(),
+                ElementsAre(logs[0] + ": 2 messages on SPROUT_LEFT are not used: a later --replay "
+                                      "has that channel, of other frames; `sprout-log merge` "
+                                      "joins the parts of a recording"));
+  }
+}
+
 TEST_F(ReplayInputTest, ALateEventWaitsForThoseBeforeItButNotForOnesThatNobodyTakes) {
   const std::string a = Write("a", {{1, "A", {}}, {9, "X", {}}, {5, "A", {}}, {3, "A", {}}});
   const std::string b = Write("b", {{4, "B", {}}, {6, "B", {}}, {7, "B", {}}});

@@ -219,14 +219,10 @@ TEST_F(ReplayTest, TakesThePartsFromSeveralLogs) {
 TEST_F(ReplayTest, SaysThatThePartsOfARecordingAreNotJoined) {
   const std::string second = folder_ / "second.lcm";
   WriteLog(in_, FramesWithGrey({10, 11}));
-  WriteLog(second, {RigEvent(2), LeftEvent(2, 12), TofEvent(2), LeftEvent(3, 13), TofEvent(3)});
-  for (const std::vector<std::string>& logs : {std::vector{in_, second}, {second, in_}}) {
-    EXPECT_EQ(Run({}, logs), 1);
-    EXPECT_THAT(Answers(), SizeIs(2));
-    EXPECT_THAT(log_.Lines(),
-                Contains(HasSubstr(logs[0] + ": 2 messages on SPROUT_LEFT are not used: a later "
-                                             "--replay has that channel, of other frames")));
-  }
+  WriteLog(second, {RigEvent(2), LeftEvent(2, 12), TofEvent(2)});
+  EXPECT_EQ(Run({}, {in_, second}), 1);
+  EXPECT_THAT(Answers(), SizeIs(1));
+  EXPECT_THAT(log_.Lines(), Contains(HasSubstr(in_ + ": 2 messages on SPROUT_LEFT are not used")));
 }
 
 TEST_F(ReplayTest, SaysWhichCalibrationIsMissing) {
