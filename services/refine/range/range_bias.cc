@@ -141,11 +141,8 @@ bool RangeBias::MatchesElsewhere(const RangeInput& input, std::span<const Seed> 
     ++contradicted;
     elsewhere += matched(grid.At(at.y), grid.At(at.x));
   }
-  const double part = error_.contradicted_share > RangeRules::kRejectedShare
-                          ? std::min(1.0, error_.contradicted_share / RangeRules::kManyContradicted)
-                          : 1;
   return static_cast<double>(elsewhere) >
-         RangeRules::kMatchedShare * part * static_cast<double>(contradicted);
+         RangeRules::MatchedShare(error_.contradicted_share) * static_cast<double>(contradicted);
 }
 
 // Whether nothing can be estimated, since too much is wrong with the points or with the pair. Right

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 
 namespace sprout::refine {
@@ -127,14 +128,22 @@ struct RangeRules {
   static constexpr double kRejectedShare = 0.22;
   /// But only if stereo has a match that fits at this share of them, so near, in parts of the
   /// picture's width: at 0.43 and more where ranges are mirrored, upside down or another scene's;
-  /// at 0.30 and less (dull scenes up to 0.48) where the images are a few rows off, turned,
-  /// striped, negative, of different focus or of different scenes.
-  static constexpr double kMatchedShare = 0.4;
-  /// Where a smaller share of the nodes, but too many, are contradicted the images fit at the
-  /// others, and the share that is asked falls in proportion: in a dull scene 0.27 and more match
-  /// elsewhere of 0.22 to 0.28 that are contradicted, beside images of different focus 0.08 and
+  /// at 0.37 and less where the images are turned, striped, negative, of different focus or of
+  /// different scenes. Below kManyContradicted the images fit at the other nodes, and less is
+  /// asked, in proportion: in dull scenes 0.27 and more match elsewhere of 0.22 to 0.28 that are
+  /// contradicted, beside images of different focus 0.08 and less. So it is above kHardlyAnyFit,
+  /// down to half where all nodes are contradicted: of ranges in a wrong unit beside dull images
+  /// 0.24 and more match, beside striped images 0.20 of 0.92 that are contradicted, others 0.04 and
   /// less.
+  static constexpr double kMatchedShare = 0.4;
   static constexpr double kManyContradicted = 0.5;
+  static constexpr double kHardlyAnyFit = 0.6;
+  static double MatchedShare(double contradicted) {
+    if (contradicted <= kRejectedShare) return kMatchedShare;
+    const double of_many = contradicted / kManyContradicted;
+    const double of_all = 1 - (contradicted - kHardlyAnyFit) / (1 - kHardlyAnyFit) / 2;
+    return kMatchedShare * std::min({1.0, of_many, of_all});
+  }
   static constexpr double kMatchReach = 0.01;
   /// Of frames with less signs of a wrong sensor it is asked, too, if nodes cost more than this in
   /// the mean: wrong sensors have up to 0.31, a blurred or covered camera 0.32 to 0.68.

@@ -250,12 +250,15 @@ RangeError WithFewMatches(int wraps_from) {
       {.matches = [&] { return std::span<const Seed>(matches); }}, points);
 }
 
-TEST(RangeBias, AsksForFewMatchesWhereImagesFitAtMostPoints) {
+TEST(RangeBias, AsksForFewMatchesWhereImagesFitAtMostPointsOrAtNone) {
   const RangeError few = WithFewMatches(350);
   EXPECT_NEAR(few.contradicted_share, 0.35, 0.05);
   EXPECT_TRUE(few.rejected);
   EXPECT_FALSE(few.pair_unfit);
-  const RangeError many = WithFewMatches(150);
+  const RangeError all = WithFewMatches(0);
+  EXPECT_GT(all.contradicted_share, 0.95);
+  EXPECT_TRUE(all.rejected);
+  const RangeError many = WithFewMatches(250);
   EXPECT_GT(many.contradicted_share, 0.5);
   EXPECT_FALSE(many.rejected);
   EXPECT_TRUE(many.pair_unfit);
