@@ -188,12 +188,12 @@ std::string DegenerateText(const RefineFindings& found, const SeedSet& seeds, bo
 
 std::optional<std::string> FindingText(const RefineFindings& found) {
   std::optional<std::string> text = RangeErrorText(found.range_error);
+  // What a sensor's edges seem to be, whose points lie elsewhere, would mislead.
+  if (found.range_error.rejected) return text;
   const auto put_first = [&](const std::string& finding) {
     text = JoinedTexts(finding, text.value_or(""));
   };
-  if (!found.range_error.rejected && !found.contradiction.points.empty()) {
-    put_first(ContradictionText(found.contradiction));
-  }
+  if (!found.contradiction.points.empty()) put_first(ContradictionText(found.contradiction));
   if (found.smoothing) put_first(SmoothingText(found.smoothing));
   if (found.fattening) put_first(FatteningText(found.fattening));
   if (found.scan_move.is_off) put_first(ScanMoveText(found.scan_move));

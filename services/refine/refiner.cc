@@ -57,6 +57,7 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   SeedSet result;
   found_ = {};
   before_move_.clear();
+  doubts_edges_ = false;
   left_seeds_ = {.seeds = std::move(left_seeds_.seeds)};
   // Projection of every ToF point to (u, u', v) (paper, II-A).
   points_ = projector.Project(tof, result.outside, std::move(points_));
@@ -117,7 +118,16 @@ void Refiner::Align(const cv::Mat1b& left, const cv::Mat1b& right, const TofImag
   if (surface_.has_pixels()) {
     found_.tof_offset = aligner_.Estimate(left, right, points_, tof, projector);
     if (!found_.tof_offset.IsOff()) return;
+    before_move_ = points_;
+    RangeNodes before, after;
+    before.Set(InputOf(left, right, rig), points_);
     ApplyOffset(found_.tof_offset, rig, points_);
+    surface_.Set(rig, points_);
+    after.Set(InputOf(left, right, rig), points_);
+    if (after.SigmasWorseThan(before) <= AlignmentRules::kWorseSigmas) return;
+    found_.tof_offset = {};
+    doubts_edges_ = true;
+    points_ = before_move_;
   } else {
     found_.scan_move = scan_aligner_.Estimate(InputOf(left, right, rig), points_);
     before_move_ = points_;

@@ -92,6 +92,7 @@ class Refiner {
   void DropBesideEdges(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig,
                        SeedSet& result);
   void TakeBack(const Rig& rig, SeedSet& result);
+  bool Errs() const;
   bool IsDoubtful(int columns) const;
   bool PairShiftsRows(const PlacedPoints& points, std::span<const Seed> matches);
   bool IsWrongScan(const cv::Mat1b& left, const cv::Mat1b& right, const PlacedPoints& points);
@@ -119,7 +120,8 @@ class Refiner {
   TofSurface surface_;
   RangeBias range_;
   std::vector<ProjectedPoint> before_fattening_;
-  std::vector<ProjectedPoint> before_move_;  // of a scan, as projected
+  bool doubts_edges_ = false;  // they seem to lie elsewhere, and the points do not fit there
+  std::vector<ProjectedPoint> before_move_;  // as projected, if they were moved
   UnsurePoints unsure_;
   RangeNoise noise_;                  // of the points
   std::vector<ProjectedPoint> kept_;  // first those whose window lies in both images

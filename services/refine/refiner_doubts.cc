@@ -7,6 +7,12 @@
 // Those parts of the refiner that find sensors which are not where they are thought to be.
 namespace sprout::refine {
 
+// Whether they are wrong in places, or at their edges.
+bool Refiner::Errs() const {
+  return doubts_edges_ || found_.fattening ||
+         found_.range_error.far_from_curve_share > RangeRules::kDoubtfulMoves;
+}
+
 // Whether much is wrong with the points, or they are nearer than anything that stereo looks for.
 bool Refiner::IsDoubtful(int columns) const {
   if (found_.range_error.Refuses() || found_.range_error.pair_unfit) return false;
@@ -20,9 +26,8 @@ bool Refiner::IsDoubtful(int columns) const {
   const auto most_px = static_cast<float>(stereo_.MostDisparityPx(columns));
   const auto near = std::ranges::count_if(
       points_, [&](const ProjectedPoint& point) { return point.seed.disparity() > most_px; });
-  return found_.fattening || found_.range_error.IsBeyondDataSheets() ||
+  return Errs() || found_.range_error.IsBeyondDataSheets() ||
          found_.range_error.contradicted_share > RangeRules::kDoubtfulShare ||
-         found_.range_error.far_from_curve_share > RangeRules::kDoubtfulMoves ||
          static_cast<double>(near) > RangeRules::kNearShare * static_cast<double>(points_.size());
 }
 
@@ -58,17 +63,15 @@ bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const T
   const bool differs = !FindContradicted(left, right, points, coarse, coarse_px).points.empty();
   const bool may_be_displaced =
       FindSensorPlace(points, coarse, coarse_px, RangeRules::kFirstLook).is_displaced;
-  const bool errs =
-      found_.fattening || found_.range_error.far_from_curve_share > RangeRules::kDoubtfulMoves;
-  if (!differs && !may_be_displaced && !errs) return false;
+  if (!differs && !may_be_displaced && !Errs()) return false;
   const std::span<const Seed> matches = stereo_.Find(left, right, {}, {}, 0, zones_.most_px());
   if (PairShiftsRows(points, matches)) return false;
   found_.sensor_place = FindSensorPlace(points, matches, RangeRules::kAgreePx);
-  if ((differs || errs) && !found_.sensor_place.is_displaced) {
+  if ((differs || Errs()) && !found_.sensor_place.is_displaced) {
     const CellGrid cells(stereo_.SpacingPx(left.cols), left.size());
-    found_.contradiction =
-        FindContradicted(left, right, points, matches, RangeRules::kAgreePx,
-                         errs ? &cells : nullptr, found_.fattening ? 1 : RangeRules::kUnexplained);
+    found_.contradiction = FindContradicted(left, right, points, matches, RangeRules::kAgreePx,
+                                            Errs() ? &cells : nullptr,
+                                            found_.fattening ? 1 : RangeRules::kUnexplained);
   }
   const auto is_contradicted = [](uint8_t is) { return is != 0; };
   return found_.sensor_place.is_displaced ||

@@ -58,10 +58,14 @@ struct AlignmentRules {
   static constexpr double kElsewhereCells = 1.5;  ///< offsets this far apart are different
   static constexpr double kMaxSigmaCells = 0.25;
   /// Length of an offset, in standard deviations, above which the calibration is wrong: a right one
-  /// has it once in 270 000 frames, exp(−5² / 2). Right poses have up to 3.4, with wrong
+  /// has it by chance once in 270 000 frames, exp(−5² / 2). Right poses have up to 3.4, with wrong
   /// ranges 4.1, without dark returns 4.2; those that are 3 px off 4.2 and more, 11 of 13
   /// scenes 6.9 and more.
   static constexpr double kSignificant = 5;
+  /// But not if the images differ more at the points once they are moved, by so many standard
+  /// deviations: where a range image was moved by up to two of its pixels up to 0.7 (but for one
+  /// frame of 144, 6.5), of wrong offsets 4.9 to 19.
+  static constexpr double kWorseSigmas = 2;
 
   // The scan of a lidar, eqs. (A7) to (A10).
   static constexpr float kMaxExcess = 0.6F;     ///< the tail of an M-estimator

@@ -207,6 +207,23 @@ void RangeNodes::Move(const RangeInput& input, std::span<const double> offsets_p
   });
 }
 
+double RangeNodes::SigmasWorseThan(const RangeNodes& others) const {
+  const auto cost_of = [](const RangeNode& node) {
+    return std::min(RangeRules::kMaxCost, node.costs[RangeRules::kZeroLabel]);
+  };
+  double sum = 0, squares = 0;
+  for (const RangeNode& node : nodes_) {
+    const int at = others.At(node.cell.x, node.cell.y);
+    if (at < 0) continue;
+    const RangeNode& other = others.nodes_[static_cast<size_t>(at)];
+    if (!node.whole || !other.whole) continue;
+    const double more = double{cost_of(node)} - double{cost_of(other)};
+    sum += more;
+    squares += more * more;
+  }
+  return squares > 0 ? sum / std::sqrt(squares) : 0;
+}
+
 bool RangeNodes::AreOneSurface(size_t a, size_t b) const {
   const cv::Point way = nodes_[b].cell - nodes_[a].cell;
   if (std::abs(way.x) <= 1 && std::abs(way.y) <= 1) return (links_[a].bits & BitOf(way)) != 0;

@@ -85,6 +85,9 @@ class RangeNodes {
   /// Compares the images again, at all nodes moved by offsets. Their disparities stay as measured.
   /// Call Link() before. O(nodes); on OpenCV's threads.
   void Move(const RangeInput& input, std::span<const double> offsets_px);
+  /// By how many standard deviations the images differ more at these nodes than at those of the
+  /// same cells in another grid of as many points. 0 where there are none.
+  double SigmasWorseThan(const RangeNodes& others) const;
 
   /// Where a point lies, in cells; the middle of cell (0, 0) is (0, 0).
   cv::Point2d CellOf(const TofSurface& surface, const ProjectedPoint& point) const {

@@ -13,6 +13,7 @@
 #include "common/scenes/dataset.h"
 #include "services/refine/refiner.h"
 #include "tests/common/core/centred.h"
+#include "tests/services/refine/refine_scene.h"
 
 namespace sprout::refine {
 namespace {
@@ -217,6 +218,54 @@ TEST(Refiner, MovesNoPointsByImagesThatDoNotFitEachOther) {
   const SeedSet unaligned =
       Refiner(config).Compute(scene.left, scene.right, scene.tof, scene.projector).value();
   EXPECT_LT(MeanDistance(unaligned, seeds), 0.01);
+}
+
+// A slanted wall behind a box of hardly any texture. What is bright ends 6 px right of the box.
+struct ShadowScene : BoxScene {
+  static constexpr double kWallPx = 5, kSlope = 0.1, kBoxPx = 45;
+  static inline const cv::Rect kBox{150, 80, 120, 140};
+
+  static double DisparityAt(const cv::Point2f& at) {
+    return kBox.contains(cv::Point(at)) ? kBoxPx : kWallPx + kSlope * double{at.x};
+  }
+
+  ShadowScene() {
+    cv::RNG(5).fill(left, cv::RNG::UNIFORM, 80, 120);
+    cv::GaussianBlur(left, left, {}, 1);
+    left(kBox + cv::Point(6, 0)) += 60;
+    cv::Mat1f columns(left.size()), rows(left.size());
+    for (int v = 0; v < left.rows; ++v) {
+      for (int u = 0; u < left.cols; ++u) {
+        const bool is_box = kBox.contains(cv::Point(u + static_cast<int>(kBoxPx), v));
+        columns(v, u) = static_cast<float>(is_box ? u + kBoxPx : (u + kWallPx) / (1 - kSlope));
+        rows(v, u) = static_cast<float>(v);
+      }
+    }
+    cv::remap(left, right, columns, rows, cv::INTER_LINEAR, cv::BORDER_REFLECT);
+    for (int j = 0; j < rig.tof.height; ++j) {
+      for (int i = 0; i < rig.tof.width; ++i)
+        SetDisparity(i, j, DisparityAt(cv::Point(5 * i, 5 * j)));
+    }
+  }
+};
+
+TEST(Refiner, MovesNoPointsToWhereTheImagesFitThemLess) {
+  const ShadowScene scene;
+  const TofProjector projector(scene.rig);
+  int behind = 0;
+  const std::vector<ProjectedPoint> points = projector.Project(scene.tof, behind);
+  const TofOffset offset =
+      TofAligner().Estimate(scene.left, scene.right, points, scene.tof, projector);
+  ASSERT_TRUE(offset.IsOff());
+  EXPECT_NEAR(offset.du_px, 6, 1);
+  Refiner refiner{RefineConfig()};
+  const SeedSet set = refiner.Compute(scene.left, scene.right, scene.tof, projector).value();
+  EXPECT_FALSE(refiner.found().tof_offset.IsOff());
+  const auto is_wrong = [](const Seed& seed) {
+    return std::abs(double{seed.disparity()} - ShadowScene::DisparityAt({seed.u, seed.v})) > 0.3;
+  };
+  EXPECT_GT(set.seeds.size(), 2000U);
+  EXPECT_LT(std::ranges::count_if(set.seeds, is_wrong), std::ssize(set.seeds) / 50);
 }
 
 }  // namespace
