@@ -1,9 +1,20 @@
 #include "common/app/frame_assembler.h"
 
+#include <algorithm>
 #include <exception>
 #include <utility>
 
+#include "common/core/digest.h"
+#include "common/messages/codec.h"
+
 namespace sprout {
+namespace {
+
+// Messages among which a second answer for a frame is looked for: those of some ten frames. Frames
+// of a short log that plays again may be answered otherwise after a stage was started again.
+constexpr size_t kMaxTaken = 48;
+
+}  // namespace
 
 FrameAssembler::FrameAssembler(PartSet needed, StageMonitor& monitor, size_t max_pending,
                                PartSet optional)
@@ -19,8 +30,19 @@ std::vector<Frame> FrameAssembler::Add(std::string_view channel, std::span<const
   const std::optional<Part> part = PartOf(channel);
   if (!part || !needed_.Has(*part)) return {};
   try {
+    const Taken message{.id = DecodeFrameId(bytes).value_or(FrameId{}),
+                        .part = *part,
+                        .hash = Hash({reinterpret_cast<const char*>(bytes.data()), bytes.size()})};
+    if (IsSecondAnswer(message)) {
+      monitor_.BadMessage(channel, "frame " + std::to_string(message.id.seq) +
+                                       " has two that differ, the first counts: two programs send "
+                                       "them, or utime and seq are those of an earlier frame");
+      return {};
+    }
     Result<std::vector<Frame>> frames = joiner_.AddMessage(*part, bytes);
     if (frames) {
+      taken_.push_back(message);
+      if (taken_.size() > kMaxTaken) taken_.pop_front();
       monitor_.SetJoinerCounts(joiner_.incomplete(), joiner_.sequence_gaps());
       return std::move(*frames);
     }
@@ -29,6 +51,14 @@ std::vector<Frame> FrameAssembler::Add(std::string_view channel, std::span<const
     monitor_.BadMessage(channel, e.what());
   }
   return {};
+}
+
+// A calibration comes again and again, with the time of each.
+bool FrameAssembler::IsSecondAnswer(const Taken& message) const {
+  return message.part != Part::kRig && std::ranges::any_of(taken_, [&](const Taken& other) {
+           return other.part == message.part && other.id == message.id &&
+                  other.hash != message.hash;
+         });
 }
 
 std::vector<Frame> FrameAssembler::Finish() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -12,7 +13,8 @@
 namespace sprout {
 
 /// Messages in, complete frames out: decodes and checks messages, joins them, and counts what is
-/// dropped. Not thread-safe.
+/// dropped. A frame may come twice, with the same bytes; of two messages of one frame and channel
+/// that differ the first counts, and the other is a bad one. Not thread-safe.
 class FrameAssembler {
  public:
   /// @param max_pending, optional  as in FrameJoiner.
@@ -31,10 +33,19 @@ class FrameAssembler {
   std::vector<Frame> Finish();
 
  private:
+  struct Taken {
+    FrameId id;
+    Part part;
+    uint64_t hash;
+  };
+
+  bool IsSecondAnswer(const Taken& message) const;
+
   StageMonitor& monitor_;
   PartSet needed_;
   std::vector<std::string_view> channels_;
   FrameJoiner joiner_;
+  std::deque<Taken> taken_;  // the newest messages
 };
 
 }  // namespace sprout

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <deque>
 #include <filesystem>
 #include <iostream>
 #include <utility>
@@ -37,9 +36,6 @@ constexpr std::chrono::milliseconds kProgressPeriod{200};
 
 // Calibrations whose names are kept; a log can hold any number.
 constexpr size_t kMaxRigs = 64;
-
-// Messages among which a second answer for a frame is looked for: those of some 64 frames.
-constexpr size_t kMaxHeard = 512;
 
 void RequireOtherFile(const std::string& log, const std::string& record) {
   std::error_code ignored;
@@ -136,12 +132,6 @@ class Replay {
     if (channel == kProcessChannel) return CompareWithRecorded(event.data);
     if (!IsWanted(channel, event.data)) return;
     last_utime_ = event.utime;
-    if (IsSecondAnswer(channel, event.data)) {
-      return monitor_.BadMessage(
-          channel, fmt::format("frame {} has two that differ, the first counts; `sprout-log merge "
-                               "--replace` keeps those of one log",
-                               DecodeFrameId(event.data)->seq));
-    }
     AnswerAll(assembler_.Add(channel, event.data), event.utime);
   }
 
@@ -211,22 +201,6 @@ class Replay {
                        Joined("', '", rigs_there_));
   }
 
-  // Whether the frame had another message on this channel before. Frames that were sent again have
-  // the same one again.
-  bool IsSecondAnswer(std::string_view channel, std::span<const uint8_t> bytes) {
-    const std::optional<Part> part = PartOf(channel);
-    const Result<FrameId> id = DecodeFrameId(bytes);
-    if (!part || part == Part::kRig || !id || TypeOf(bytes) != TypeOf(*part)) return false;
-    const size_t hash =
-        std::hash<std::string_view>()({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-    const auto before = std::ranges::find_if(
-        heard_, [&](const Heard& heard) { return heard.part == part && heard.id == *id; });
-    if (before != heard_.end()) return before->hash != hash;
-    heard_.push_back({*part, *id, hash});
-    if (heard_.size() > kMaxHeard) heard_.pop_front();
-    return false;
-  }
-
   void ShowProgress() {
     const auto now = Clock::now();
     if (now < next_progress_) return;
@@ -288,12 +262,6 @@ class Replay {
     return whole ? 0 : 1;
   }
 
-  struct Heard {
-    Part part;
-    FrameId id;
-    size_t hash;
-  };
-
   const ServiceContext& context_;
   const ReplayOptions& options_;
   StageAdapter& adapter_;
@@ -310,7 +278,6 @@ class Replay {
   std::optional<FrameRange> seen_;    // from the smallest to the largest seq in the logs
   std::set<std::string> rigs_named_;  // rig_id of frames
   std::set<std::string> rigs_there_;
-  std::deque<Heard> heard_;         // the newest messages
   std::set<std::string> compared_;  // recorded configurations of this stage
   Clock::time_point started_ = Clock::now();
   Clock::time_point next_progress_{};

@@ -13,6 +13,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
+using ::testing::StartsWith;
 
 std::vector<uint8_t> Image(int64_t seq, int grey) {
   return EncodePart({.utime = seq, .seq = seq, .rig_id = "rig"}, Part::kLeft,
@@ -66,9 +67,31 @@ TEST_F(FrameAssemblerTest, CountsAndNamesABadMessage) {
   EXPECT_THAT(assembler_.Add("SPROUT_LEFT", cut), IsEmpty());
   EXPECT_THAT(assembler_.Add("SPROUT_LEFT", {}), IsEmpty());
   EXPECT_EQ(monitor_.Snapshot().bad_messages, 2);
-  EXPECT_THAT(monitor_.Snapshot().last_error, ::testing::StartsWith("SPROUT_LEFT: "));
+  EXPECT_THAT(monitor_.Snapshot().last_error, StartsWith("SPROUT_LEFT: "));
   EXPECT_THAT(assembler_.Add("SPROUT_SEEDS", Image(3, 99)), IsEmpty());
   EXPECT_THAT(monitor_.Snapshot().last_error, "SPROUT_SEEDS: fingerprint is not that of seeds_t");
+}
+
+TEST_F(FrameAssemblerTest, KeepsTheFirstOfTwoAnswersAndCountsTheOther) {
+  assembler_.Add("SPROUT_SEEDS", Seeds(3));
+  assembler_.Add("SPROUT_SEEDS", EncodePart({.utime = 3, .seq = 3, .rig_id = "rig"}, Part::kSeeds,
+                                            SeedSet{.seeds = {{3, 1, 1}}, .raw = 1}));
+  EXPECT_EQ(monitor_.Snapshot().bad_messages, 1);
+  EXPECT_THAT(monitor_.Snapshot().last_error,
+              StartsWith("SPROUT_SEEDS: frame 3 has two that differ, the first counts"));
+  const std::vector<Frame> frames = assembler_.Add("SPROUT_LEFT", Image(3, 99));
+  ASSERT_THAT(frames, SizeIs(1));
+  EXPECT_THAT(frames[0].seeds->seeds, ElementsAre(Seed{3, 2, 1}));
+  assembler_.Add("SPROUT_LEFT", Image(3, 98));  // the frame is complete and gone
+  EXPECT_EQ(monitor_.Snapshot().bad_messages, 2);
+}
+
+TEST_F(FrameAssemblerTest, DeliversAFrameTwiceThatIsSentTwice) {
+  for (int i = 0; i < 2; ++i) {
+    assembler_.Add("SPROUT_LEFT", Image(3, 99));
+    EXPECT_THAT(assembler_.Add("SPROUT_SEEDS", Seeds(3)), SizeIs(1));
+  }
+  EXPECT_EQ(monitor_.Snapshot().bad_messages, 0);
 }
 
 TEST_F(FrameAssemblerTest, IgnoresAChannelThatItDoesNotNeed) {
