@@ -201,7 +201,8 @@ class Capture {
     const StageStatus status = monitor_.Snapshot();
     if (status.frames_incomplete > 0 || status.bad_messages > 0) {
       LogLine(LogLevel::kWarning,
-              "{} frames were not sent because a message is missing, {} messages were bad",
+              "{} frames were not sent because a message is missing, or a SPROUT_RIG with their "
+              "rig_id; {} messages were bad",
               status.frames_incomplete, status.bad_messages);
     }
     LogLine(LogLevel::kInfo,

@@ -25,14 +25,15 @@ class LogFeed : public CaptureFeed {
         loop_(loop),
         monitor_(monitor),
         fetcher_(path) {
-    if (calibrated_) calibration_ = FirstCalibration();
+    if (calibrated_) captured_.Add(Part::kRig);
     if (HasZones()) captured_.Add(Part::kTofZones);
     Rewind();
     first_ = Read();
     if (!first_) {
-      throw Unusable(
-          "no whole frame on " + prefix_ + "SPROUT_LEFT, SPROUT_RIGHT and SPROUT_TOF in it",
-          frames_->channels());
+      throw Unusable("no whole frame on " + prefix_ +
+                         "SPROUT_LEFT, SPROUT_RIGHT and SPROUT_TOF in it" +
+                         (calibrated_ ? " with the rig_id of a SPROUT_RIG" : ""),
+                     frames_->channels());
     }
   }
 
@@ -102,7 +103,7 @@ class LogFeed : public CaptureFeed {
     frames_.emplace(path_, prefix_, captured_, [this](const LogEvent& event, const auto& why) {
       monitor_.BadMessage(event.channel, why);
     });
-    if (calibrated_) frames_->AddRig(calibration_);
+    if (calibrated_) frames_->AddRig(calibration_ = FirstCalibration());
     rig_.reset();
   }
 
