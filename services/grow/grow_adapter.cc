@@ -1,29 +1,55 @@
 #include "services/grow/grow_adapter.h"
 
 #include <algorithm>
+#include <cmath>
+#include <span>
 #include <utility>
 
-#include "common/core/answer_values.h"
 #include "common/core/image.h"
 #include "common/geometry/widened_frame.h"
 
 namespace sprout::grow {
+namespace {
+
+// Says so when the prior is not that of the seeds, as one of another scale or sign. Of Sprout's own
+// priors at most 8 % of the seeds are so far away, in 271 frames with good and wrong ranges.
+void AddContradiction(std::span<const Seed> seeds, const PriorMap& prior, std::string& degenerate) {
+  constexpr double kLeastPx = 2;
+  constexpr double kSigmas = 4;
+  constexpr size_t kOneIn = 4;
+  size_t contradicted = 0;
+  std::string first;
+  for (const Seed& seed : seeds) {
+    const cv::Point at(cvRound(seed.u), cvRound(seed.v));
+    if (!cv::Rect({}, prior.size()).contains(at) || !prior.disparity.IsValid(at.x, at.y)) continue;
+    const double px = prior.disparity.Px(at.x, at.y);
+    const double limit_px = std::max(kLeastPx, kSigmas * SigmaToPx(prior.sigma(at)));
+    if (std::abs(px - seed.disparity()) <= limit_px) continue;
+    if (contradicted++ == 0) {
+      first = cv::format("%g px at (%d, %d), the seed %g", px, at.x, at.y, seed.disparity());
+    }
+  }
+  if (contradicted * kOneIn <= seeds.size()) return;
+  if (!degenerate.empty()) degenerate += "; ";
+  degenerate += "the prior contradicts " + std::to_string(contradicted) + " of " +
+                std::to_string(seeds.size()) + " seeds: it has " + first;
+}
+
+}  // namespace
 
 GrowAdapter::Growth GrowAdapter::Grow(const Frame& frame) {
-  const int columns = ColumnsBelowZero(frame.seeds->seeds);
-  if (columns == 0) {
-    Growth growth = GrowFrom0(frame);
-    if (frame.prior && !growth.map.AnyValid()) {
-      // Other programs make priors, too.
-      const auto wrong = WrongDisparity(frame.prior->disparity, /*least_px=*/-1);
-      if (wrong) growth.degenerate += "; prior: " + *wrong;
-    }
-    return growth;
+  Growth growth;
+  if (const int columns = ColumnsBelowZero(frame.seeds->seeds); columns == 0) {
+    growth = GrowFrom0(frame);
+  } else {
+    Frame wide = Widened(frame, columns);
+    growth = GrowFrom0(wide);
+    growth.columns = columns;
+    growth.wide = std::move(wide);
   }
-  Frame wide = Widened(frame, columns);
-  Growth growth = GrowFrom0(wide);
-  growth.columns = columns;
-  growth.wide = std::move(wide);
+  if (frame.prior && frame.prior->size() == frame.left.size()) {
+    AddContradiction(frame.seeds->seeds, *frame.prior, growth.degenerate);
+  }
   return growth;
 }
 

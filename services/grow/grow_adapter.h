@@ -30,7 +30,7 @@ class GrowAdapter : public StageAdapter {
     std::vector<Seed> seeds;  ///< that it started from
     DisparityImage map;       ///< of the left image's size
     bool refused = false;     ///< the images or the prior do not fit together
-    std::string degenerate;   ///< why nothing grew; empty when something did
+    std::string degenerate;   ///< why nothing grew, or what the prior contradicts
     int columns = 0;          ///< of the frame that it grew in, see Widened()
     Frame wide = {};          ///< that frame, where columns > 0
   };
