@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <map>
 #include <opencv2/core/persistence.hpp>
 #include <set>
@@ -184,6 +185,19 @@ class Entries {
     return rotation;
   }
 
+  // T and P2 of one calibration have one baseline; of another board, unit or rig one of the two is.
+  void RequireOneBaseline(const cv::Mat1d& t) const {
+    const cv::Mat1d p = FindMatrix(kProjection[1]);
+    if (p.size() != cv::Size(4, 3) || p(0, 0) == 0) return;
+    constexpr double kRounding = 0.01;
+    const double of_t = cv::norm(t);
+    const double of_p = std::hypot(p(0, 3), p(1, 3)) / std::abs(p(0, 0));
+    if (std::abs(of_t - of_p) <= kRounding * of_t) return;
+    throw ConfigError(where_ + ": the length of T is " + cv::format("%g", of_t) + ", " +
+                      Find(kProjection[1])->name() + " has a baseline of " +
+                      cv::format("%g", of_p) + "; allowed: the same, or one of the two");
+  }
+
   ConfigError Missing(const Names& names) const {
     return ConfigError(where_ + ": no entry with one of the names " + Joined(", ", names) +
                        " (capitals, dots and underscores do not matter); there are:" + names_);
@@ -247,6 +261,7 @@ ForeignRig ReadOpencvRig(const std::vector<ForeignFile>& files) {
   // OpenCV's R and T take points of the left camera to the right one.
   const Eigen::Matrix3d rotation = entries.Rotation(kRotation);
   const cv::Mat1d t = entries.Matrix(kTranslation, {{1, 3}, {3, 1}});
+  entries.RequireOneBaseline(t);
   const Pose right_from_left{.rotation = Eigen::Quaterniond(rotation).normalized(),
                              .translation_m = {t(0), t(1), t(2)}};
   rig.left_from_right = right_from_left.Inverse();

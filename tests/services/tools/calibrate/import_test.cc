@@ -146,6 +146,11 @@ TEST_F(Import, OpencvsIntrinsicsAndExtrinsics) {
   EXPECT_TRUE(rig.left.size.empty());
   EXPECT_THAT(Refusal({folder_ / "intrinsics.yml"}),
               HasSubstr("intrinsics.yml: no entry with one of the names r, rotation, "));
+  cv::FileStorage mixed(folder_ / "mixed.yml", cv::FileStorage::WRITE);
+  mixed << "R" << cv::Mat(truth_.r) << "T" << cv::Mat(1.02 * truth_.t) << "P2" << p2;
+  mixed.release();
+  EXPECT_THAT(Refusal({folder_ / "intrinsics.yml", folder_ / "mixed.yml"}),
+              HasSubstr("mixed.yml: the length of T is 0.122455, P2 has a baseline of 0.120054; "));
 }
 
 // What is left of a pair when a file has R1, P1, R2, P2 alone is a pair all the same.
