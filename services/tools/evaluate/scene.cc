@@ -190,9 +190,15 @@ Scene LoadScene(const std::string& scene, const TofChoice& tof, CaptureConfig co
   if (truth.left.empty()) {
     throw ConfigError("scene " + scene + ": no ground truth; allowed: a scene with ground truth");
   }
+  const Visibility visibility = VisibilityOf(truth);
+  const cv::Mat1b scored = visibility.nonoccluded & (truth.left <= kMaxSide);  // NaN is not
+  if (cv::countNonZero(scored) == 0) {
+    throw ConfigError("scene " + scene +
+                      ": its ground truth has no pixel that both cameras see; "
+                      "allowed: at least one");
+  }
   TofProjector projector(source->rig());
   const cv::Mat1b away = AwayMask(projector, frame.tof);
-  const Visibility visibility = VisibilityOf(truth);
   return {.name = NameOf(scene),
           .frame = frame,
           .left_grey = ToGrey(frame.left),

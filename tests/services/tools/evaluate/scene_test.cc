@@ -1,10 +1,11 @@
 #include "services/tools/evaluate/scene.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <cmath>
 
 #include "tests/common/scenes/kitti_folder.h"
+#include "tests/common/testing/thrown.h"
 
 namespace sprout::evaluate {
 namespace {
@@ -51,6 +52,14 @@ TEST(Scene, TakesWhatBothCamerasSeeFromKittisTruth) {
   EXPECT_EQ(cv::countNonZero(scene.occluded), 35);
   EXPECT_EQ(cv::countNonZero(scene.occluded.row(0)), 35);
   EXPECT_EQ(scene.max_disparity_px, 5);
+}
+
+TEST(Scene, RefusesATruthOfWhichNothingIsScored) {
+  const scenes::KittiFolder folder("000007");
+  folder.WriteTruth("disp_occ_0/000007_10.png", cv::Mat1w(30, 40, uint16_t{0}));
+  EXPECT_THAT(Thrown<ConfigError>(
+                  [&] { LoadScene(folder.Config("/000007").source(), TofChoice("scan"), {}); }),
+              testing::HasSubstr("its ground truth has no pixel that both cameras see"));
 }
 
 }  // namespace
