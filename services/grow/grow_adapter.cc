@@ -11,9 +11,10 @@
 namespace sprout::grow {
 namespace {
 
-// Says so when the prior is not that of the seeds, as one of another scale or sign. Of Sprout's own
-// priors at most 8 % of the seeds are so far away, in 271 frames with good and wrong ranges.
-void AddContradiction(std::span<const Seed> seeds, const PriorMap& prior, std::string& degenerate) {
+// What says that the prior is not that of the seeds, but of another scale or sign; else empty. Of
+// Sprout's own priors at most 8 % of the seeds are so far away, in 271 frames with good and wrong
+// ranges.
+std::string Contradiction(std::span<const Seed> seeds, const PriorMap& prior) {
   constexpr double kLeastPx = 2;
   constexpr double kSigmas = 4;
   constexpr size_t kOneIn = 4;
@@ -29,10 +30,9 @@ void AddContradiction(std::span<const Seed> seeds, const PriorMap& prior, std::s
       first = cv::format("%g px at (%d, %d), the seed %g", px, at.x, at.y, seed.disparity());
     }
   }
-  if (contradicted * kOneIn <= seeds.size()) return;
-  if (!degenerate.empty()) degenerate += "; ";
-  degenerate += "the prior contradicts " + std::to_string(contradicted) + " of " +
-                std::to_string(seeds.size()) + " seeds: it has " + first;
+  if (contradicted * kOneIn <= seeds.size()) return "";
+  return "the prior contradicts " + std::to_string(contradicted) + " of " +
+         std::to_string(seeds.size()) + " seeds: it has " + first;
 }
 
 }  // namespace
@@ -47,9 +47,11 @@ GrowAdapter::Growth GrowAdapter::Grow(const Frame& frame) {
     growth.columns = columns;
     growth.wide = std::move(wide);
   }
-  if (frame.prior && frame.prior->size() == frame.left.size()) {
-    AddContradiction(frame.seeds->seeds, *frame.prior, growth.degenerate);
-  }
+  if (!frame.prior || frame.prior->size() != frame.left.size()) return growth;
+  const std::string contradiction = Contradiction(frame.seeds->seeds, *frame.prior);
+  growth.contradicted = !contradiction.empty();
+  if (growth.contradicted && !growth.degenerate.empty()) growth.degenerate += "; ";
+  growth.degenerate += contradiction;
   return growth;
 }
 
@@ -82,10 +84,11 @@ GrowAdapter::Growth GrowAdapter::GrowFrom0(const Frame& frame) {
 
 ConfidenceEstimator::Judgement GrowAdapter::Judge(const Frame& frame, const Growth& growth,
                                                   const DisparityImage& filled) {
-  // Where nothing grew the pair shows nothing; of its own seeds not even one was confirmed.
+  // Where nothing grew the pair shows nothing; of its own seeds not even one was confirmed. Beside
+  // a wrong prior growth finds what looks like it.
   const bool has_ranges = std::ranges::any_of(
       growth.seeds, [](const Seed& seed) { return seed.origin == SeedOrigin::kTof; });
-  if (growth.refused || (!growth.map.AnyValid() && !has_ranges)) {
+  if (growth.refused || growth.contradicted || (!growth.map.AnyValid() && !has_ranges)) {
     return {cv::Mat1b(filled.size(), uint8_t{0}), cv::Mat1b(filled.size(), kMaxSigmaCounts)};
   }
   const cv::Mat1b left = ToGrey(GreyestLeft(frame), left_grey_);

@@ -27,12 +27,13 @@ class GrowAdapter : public StageAdapter {
 
   /// What grew.
   struct Growth {
-    std::vector<Seed> seeds;  ///< that it started from
-    DisparityImage map;       ///< of the left image's size
-    bool refused = false;     ///< the images or the prior do not fit together
-    std::string degenerate;   ///< why nothing grew, or what the prior contradicts
-    int columns = 0;          ///< of the frame that it grew in, see Widened()
-    Frame wide = {};          ///< that frame, where columns > 0
+    std::vector<Seed> seeds;    ///< that it started from
+    DisparityImage map;         ///< of the left image's size
+    bool refused = false;       ///< the images or the prior do not fit together
+    bool contradicted = false;  ///< seeds and prior are not of one scene: nothing is sure
+    std::string degenerate;     ///< why nothing grew, or what the prior contradicts
+    int columns = 0;            ///< of the frame that it grew in, see Widened()
+    Frame wide = {};            ///< that frame, where columns > 0
   };
   Growth Grow(const Frame& frame);
 

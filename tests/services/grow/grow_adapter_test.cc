@@ -136,6 +136,17 @@ TEST(GrowAdapter, SaysThatThePriorIsNotThatOfTheSeedsWhereSomethingGrows) {
   EXPECT_THAT(adapter.Process(frame).degenerate, StartsWith("the prior contradicts 3 of 3 seeds"));
 }
 
+TEST(GrowAdapter, IsSureOfNothingBesideAPriorThatIsNotThatOfTheSeeds) {
+  GrowAdapter adapter{GrowConfig()};
+  Frame frame = FlatFrame({40, 30});
+  const auto sure_with = [&](double px) {
+    frame.prior->disparity.counts() = ToCounts(px);
+    return cv::countNonZero(std::get<cv::Mat>(adapter.Process(frame).outputs.at(1).value));
+  };
+  EXPECT_GT(sure_with(2), 0);
+  EXPECT_EQ(sure_with(12), 0);
+}
+
 // A camera that is covered: stereo still finds a few seeds at its border.
 TEST(GrowAdapter, IsSureOfNothingWhereNothingGrew) {
   GrowAdapter adapter{GrowConfig()};
