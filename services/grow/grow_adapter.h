@@ -31,7 +31,7 @@ class GrowAdapter : public StageAdapter {
     DisparityImage map;         ///< of the left image's size
     bool refused = false;       ///< the images or the prior do not fit together
     bool contradicted = false;  ///< seeds and prior are not of one scene: nothing is sure
-    std::string degenerate;     ///< why nothing grew, or what the prior contradicts
+    std::string degenerate;     ///< why nothing grew, or what does not fit together
     int columns = 0;            ///< of the frame that it grew in, see Widened()
     Frame wide = {};            ///< that frame, where columns > 0
   };

@@ -147,6 +147,27 @@ TEST(GrowAdapter, IsSureOfNothingBesideAPriorThatIsNotThatOfTheSeeds) {
   EXPECT_EQ(sure_with(12), 0);
 }
 
+TEST(GrowAdapter, SaysThatTheImagesDoNotShowTheSeeds) {
+  constexpr int kDisparity = 6;
+  cv::Mat1b scene(120, 170);
+  cv::RNG(1).fill(scene, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(scene, scene, {}, 2);
+  Frame frame;
+  frame.left = scene.colRange(0, 160);
+  frame.right = scene.colRange(kDisparity, 160 + kDisparity);
+  GrowAdapter adapter = Adapter("similarity: MNCC fill: NONE");
+  const auto degenerate_with = [&](float disparity) {
+    frame.seeds = SeedSet{};
+    for (float v = 5; v < 115; v += 3) {
+      for (float u = 25; u < 150; u += 3) frame.seeds->seeds.push_back({u, v, u - disparity});
+    }
+    return adapter.Process(frame).degenerate;
+  };
+  EXPECT_EQ(degenerate_with(kDisparity), "");
+  EXPECT_THAT(degenerate_with(2 * kDisparity), HasSubstr("fewer than by chance"));
+  EXPECT_THAT(degenerate_with(-kDisparity), HasSubstr("fewer than by chance"));
+}
+
 // A camera that is covered: stereo still finds a few seeds at its border.
 TEST(GrowAdapter, IsSureOfNothingWhereNothingGrew) {
   GrowAdapter adapter{GrowConfig()};
