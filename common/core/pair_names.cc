@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/core/number_text.h"
+#include "common/core/quantile.h"
 
 namespace sprout {
 namespace {
@@ -197,6 +198,83 @@ std::optional<PairedNames> ByKey(const Keys& first, const Keys& second) {
   return paired;
 }
 
+// Numbers of two lists that count the same, such as milliseconds since a camera was started.
+struct Counts {
+  std::vector<int64_t> first;
+  std::vector<int64_t> second;
+  int64_t step = 0;  // the median one within the lists
+};
+
+// What stands behind the first number of a key, with zeros for digits: ".000", "_000000_000".
+std::string ShapeBehindNumber(const std::string& key) {
+  std::string shape = key.substr(std::min(key.find_first_not_of("0123456789"), key.size()));
+  std::ranges::replace_if(shape, IsDigit, '0');
+  return shape;
+}
+
+// Nothing where keys are no numbers, or dates, of one shape.
+std::optional<std::vector<int64_t>> NumbersOf(const Keys& keys, const std::string& shape) {
+  std::vector<int64_t> numbers;
+  for (const std::string& key : keys) {
+    if (key.empty() || !IsDigit(key.front()) || ShapeBehindNumber(key) != shape) return {};
+    std::string digits;
+    std::ranges::copy_if(key, std::back_inserter(digits), IsDigit);
+    const std::optional<int64_t> number = ParseNumber<int64_t>(digits);
+    if (!number) return {};
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+std::optional<Counts> CountsOf(const Keys& first, const Keys& second) {
+  const std::string shape = ShapeBehindNumber(first.front());
+  const bool is_plain = shape.find_first_not_of("0._-") == std::string::npos;
+  auto numbers_first = NumbersOf(first, shape);
+  auto numbers_second = NumbersOf(second, shape);
+  if (!is_plain || !numbers_first || !numbers_second) return {};
+  std::vector<int64_t> steps;
+  for (std::vector<int64_t> numbers : {*numbers_first, *numbers_second}) {
+    std::ranges::sort(numbers);
+    for (size_t i = 1; i < numbers.size(); ++i) steps.push_back(numbers[i] - numbers[i - 1]);
+  }
+  if (steps.empty()) return {};
+  return Counts{*std::move(numbers_first), *std::move(numbers_second), Median(steps)};
+}
+
+// Each with the nearest, where that is clearly nearer than the next one for most of a list.
+std::optional<PairedNames> ByNumber(const Counts& counts) {
+  const double most_ms = 1e-6 * static_cast<double>(counts.step) / 4;  // as if they were ns
+  PairedNames paired = ByTime(counts.first, counts.second, most_ms);
+  const size_t most = std::min(counts.first.size(), counts.second.size());
+  return 2 * paired.pairs.size() > most ? std::optional(std::move(paired)) : std::nullopt;
+}
+
+// The first file from which on an order joins what does not belong together: one list makes a step
+// that the other does not make.
+std::optional<size_t> FindJump(const Counts& counts, const std::vector<PairedNames::Pair>& pairs) {
+  for (size_t i = 1; i < pairs.size(); ++i) {
+    const int64_t step_first = counts.first[pairs[i].first] - counts.first[pairs[i - 1].first];
+    const int64_t step_second = counts.second[pairs[i].second] - counts.second[pairs[i - 1].second];
+    if (2 * std::abs(step_first - step_second) > counts.step) return i;
+  }
+  return std::nullopt;
+}
+
+Result<PairedNames> ByOrder(std::span<const std::string> first, std::span<const std::string> second,
+                            const std::optional<Counts>& counts) {
+  PairedNames paired{.by = PairedBy::kOrder};
+  const std::vector<size_t> order_first = Order(first, ComesBefore);
+  const std::vector<size_t> order_second = Order(second, ComesBefore);
+  for (size_t i = 0; i < first.size(); ++i)
+    paired.pairs.push_back({order_first[i], order_second[i]});
+  const std::optional<size_t> jump = counts ? FindJump(*counts, paired.pairs) : std::nullopt;
+  if (!jump) return paired;
+  const auto [a, b] = paired.pairs[*jump];
+  return Fail("neither times nor equal names, nor does their order fit: before " + first[a] +
+              " or before " + second[b] +
+              " a file is missing; allowed: equal names, or times as names");
+}
+
 }  // namespace
 
 std::optional<int64_t> StampOf(std::string_view name) {
@@ -305,17 +383,17 @@ Result<PairedNames> PairNames(std::span<const std::string> first,
     if (!doubled) doubled = Doubled(second, Normal(keys[1]));
     if (doubled) return Fail(*doubled + " have one name or number; allowed: one of them");
   }
+  std::optional<Counts> counts;
+  for (const auto& keys : {stems, differences}) {
+    if (!counts) counts = CountsOf(keys[0], keys[1]);
+  }
+  if (auto paired = counts ? ByNumber(*counts) : std::nullopt) return *std::move(paired);
   if (first.size() != second.size()) {
     return Fail("neither times nor names say which of " + std::to_string(first.size()) + " and " +
                 std::to_string(second.size()) +
                 " files belong together; allowed: equal names, times as names, or as many");
   }
-  PairedNames paired{.by = PairedBy::kOrder};
-  const std::vector<size_t> order_first = Order(first, ComesBefore);
-  const std::vector<size_t> order_second = Order(second, ComesBefore);
-  for (size_t i = 0; i < first.size(); ++i)
-    paired.pairs.push_back({order_first[i], order_second[i]});
-  return paired;
+  return ByOrder(first, second, counts);
 }
 
 }  // namespace sprout

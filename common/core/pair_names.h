@@ -16,7 +16,7 @@ inline constexpr double kMaxSpreadMs = 20;
 
 /// What says that two files belong together.
 enum class PairedBy {
-  kTime,   ///< the times in their names
+  kTime,   ///< the times in their names, or numbers that count alike
   kName,   ///< what differs within a list of names is equal in both
   kOrder,  ///< nothing: the lists are equally long, so the first belongs to the first, and so on
 };
@@ -39,8 +39,10 @@ struct PairedNames {
 /// their names where all have one (see StampOf()), also behind or before other words: each with the
 /// nearest of the other list, where this holds both ways. Otherwise by equal names: without the
 /// extension, or without what all names of a list begin and end with (left_7.png and right_007.png
-/// belong together, and x/im0.png and x/im1.png). Otherwise by their order, which needs lists of
-/// one length, and no two files of a folder with one name or number (2.png and 02.png, or 2.jpg).
+/// belong together, and x/im0.png and x/im1.png). Otherwise by the nearest number (of any unit, or
+/// dates), where that is for most less than a quarter of a step away. Otherwise by their order,
+/// which needs lists of one length that make the same steps, as far as their names are numbers, and
+/// no two files of a folder with one name or number (2.png and 02.png, or 2.jpg).
 /// @param first, second   paths; each list without repetitions.
 /// @param max_spread_ms   by time: largest difference.
 /// @returns the pairs, or why there is none. O(n log n).

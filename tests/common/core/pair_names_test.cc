@@ -114,6 +114,35 @@ TEST(PairNames, TakesTheOrderOnlyOfAsMany) {
               ElementsAre(HasSubstr("which of 2 and 3 files belong together; allowed: equal")));
 }
 
+TEST(PairNames, TakesTheNearestNumbersWhereTheyCountAlike) {
+  // Nanoseconds since the start; each camera lost another frame, so that there are as many.
+  const Names left = {"l/123456789012.png", "l/123506789012.png", "l/123556789012.png",
+                      "l/123656789012.png", "l/123706789012.png"};
+  const Names right = {"r/123456790012.png", "r/123556790012.png", "r/123606790012.png",
+                       "r/123656790012.png", "r/123706790012.png"};
+  EXPECT_THAT(PairsOf(left, right),
+              ElementsAre(left[0] + '=' + right[0], left[2] + '=' + right[1],
+                          left[3] + '=' + right[3], left[4] + '=' + right[4]));
+  EXPECT_THAT(PairNames(left, right)->alone_first, ElementsAre(1));
+  EXPECT_THAT(PairNames(left, right)->alone_second, ElementsAre(2));
+  // Not as many; with a fraction; dates.
+  EXPECT_THAT(PairsOf({"0.000.png", "0.033.png", "0.067.png"}, {"0.035.png", "0.068.png"}),
+              ElementsAre("0.033.png=0.035.png", "0.067.png=0.068.png"));
+  EXPECT_THAT(
+      PairsOf({"20240301_120000_100.png", "20240301_120001_200.png", "20240301_120002_300.png"},
+              {"20240301_120000_103.png", "20240301_120002_303.png", "20240301_120003_403.png"}),
+      ElementsAre("20240301_120000_100.png=20240301_120000_103.png",
+                  "20240301_120002_300.png=20240301_120002_303.png"));
+}
+
+TEST(PairNames, RefusesAnOrderWhoseNumbersMakeOtherSteps) {
+  // Counters of two cameras; one of them lost its third frame.
+  EXPECT_EQ(RuleOf({"7.png", "8.png", "9.png"}, {"101.png", "102.png", "103.png"}),
+            PairedBy::kOrder);
+  EXPECT_THAT(PairsOf({"7.png", "8.png", "9.png"}, {"101.png", "102.png", "104.png"}),
+              ElementsAre(HasSubstr("before 9.png or before 104.png a file is missing")));
+}
+
 TEST(PairNames, LooksAtTheNamesOfOneFileEach) {
   EXPECT_THAT(PairsOf({"left_1.png"}, {"right_2.png"}), ElementsAre("left_1.png=right_2.png"));
   EXPECT_EQ(RuleOf({"left_1.png"}, {"right_2.png"}), PairedBy::kOrder);
