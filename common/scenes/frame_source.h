@@ -41,8 +41,9 @@ struct CapturedFrame {
 struct LostFrames {
   int64_t count = 0;
   std::string trouble = {};  ///< reason of the newest
-  /// At the end: whether there is a range sensor of which no image ever joined a pair.
-  bool lacks_ranges = false;
+  /// At the end: whether there is a range sensor of which no image ever joined a pair, or most
+  /// images of left and right in a recording became no frame.
+  bool lacks_most = false;
 };
 
 /// Called by Next() at least ten times a second while it waits for cameras, to show that it is not

@@ -81,7 +81,7 @@ class SourceFeed : public CaptureFeed {
     std::optional<scenes::CapturedFrame> frame = source_->Next(stop);
     if (!frame) {
       const scenes::LostFrames lost = source_->lost_at_end();
-      lacks_ranges_ = lost.lacks_ranges;
+      lacks_most_ = lost.lacks_most;
       Tell(lost);
       return std::nullopt;
     }
@@ -119,7 +119,7 @@ class SourceFeed : public CaptureFeed {
     return source_->is_recorded() ? Timing::kRecorded : Timing::kAsked;
   }
 
-  bool lacks_ranges() const override { return lacks_ranges_; }
+  bool lacks_most() const override { return lacks_most_; }
 
   std::shared_ptr<CurrentRig> current_rig() const override { return current_; }
 
@@ -148,7 +148,7 @@ class SourceFeed : public CaptureFeed {
   FrameId newest_;
   int64_t sources_utime_ = 0;  // of the newest frame, by the source
   LogLimiter clock_log_;
-  bool lacks_ranges_ = false;
+  bool lacks_most_ = false;
 };
 
 }  // namespace

@@ -39,6 +39,17 @@ RigPlace PlaceOf(RosRole role) {
   return role == RosRole::kRight ? RigPlace::kRight : RigPlace::kTof;
 }
 
+// Least distance of stamps of left from those of right.
+double NearestMs(const std::array<std::deque<int64_t>, 2>& stamps) {
+  double nearest_ms = std::numeric_limits<double>::infinity();
+  for (const int64_t left : stamps[0]) {
+    for (const int64_t right : stamps[1]) {
+      nearest_ms = std::min(nearest_ms, std::abs(static_cast<double>(left - right)) * 1e-3);
+    }
+  }
+  return nearest_ms;
+}
+
 }  // namespace
 
 void CloudWatch::Add(size_t count, size_t usable, std::string_view frame, const TofImage& image) {
@@ -68,6 +79,7 @@ RosTriplets::RosTriplets(const RosSettings& settings, std::optional<cv::Size> si
     : size_(size),
       range_size_(range_size),
       image_of_points_(std::move(image)),
+      topics_{settings.left, settings.right},
       sensor_(settings.depth.empty() ? settings.points : settings.depth),
       synchronizer_(ConfigOf(settings, image_of_points_ != nullptr)),
       eight_bits_(settings.bits),
@@ -132,8 +144,11 @@ Result<void> RosTriplets::Take(const RosBytes& message) {
   if (!is_image) return {};
   Result<TimedImage> timed = Decode(message);
   const RigPlace place = PlaceOf(message.role);
+  const size_t side = place == RigPlace::kLeft ? 0 : 1;
+  if (place != RigPlace::kTof) ++came_[side];
   if (timed && place != RigPlace::kTof) {
-    const Result<void> noted = NoteStamp(stamps_[place == RigPlace::kLeft ? 0 : 1], timed->utime);
+    if (first_stamps_[side].size() < kStamps) first_stamps_[side].push_back(timed->utime);
+    const Result<void> noted = NoteStamp(stamps_[side], timed->utime);
     if (!noted) timed = tl::unexpected(noted.error());
   }
   if (!timed) {
@@ -168,18 +183,31 @@ void RosTriplets::Use(cv::Size size, std::optional<cv::Size> range_size, ImageOf
 
 // Stamps that differ, or images that did not come: in a stream whose other images have partners.
 std::string RosTriplets::WhyUnpaired() const {
-  double nearest_ms = std::numeric_limits<double>::infinity();
-  for (const int64_t left : stamps_[0]) {
-    for (const int64_t right : stamps_[1]) {
-      nearest_ms = std::min(nearest_ms, std::abs(static_cast<double>(left - right)) * 1e-3);
-    }
-  }
+  const double nearest_ms = NearestMs(stamps_);
   if (nearest_ms <= max_spread_ms_) {
     return "an image of left or right without its partner: that was lost on the way, or never sent";
   }
   return fmt::format(
       "left and right images are {:.1f} ms apart or more: allowed is max_spread_ms = {}",
       nearest_ms, max_spread_ms_);
+}
+
+// Of a whole recording; empty: at least half of its images became frames, or none did, which
+// whoever is told of the newest trouble knows.
+std::string RosTriplets::WhyMostAreLost() const {
+  for (size_t side = 0; side < topics_.size(); ++side) {
+    if (came_[side] == 0) return "no message came on " + topics_[side];
+  }
+  const int64_t pairs = synchronizer_.tof_joins().pairs;
+  if (pairs == 0 || 2 * pairs >= std::min(came_[0], came_[1])) return {};
+  std::string why = trouble_.empty() ? WhyUnpaired() : trouble_;
+  if (trouble_.empty() && NearestMs(first_stamps_) <= max_spread_ms_) {
+    why =
+        "left and right ones of one time stand too far apart by the log times of the recording; "
+        "allowed is that these follow the stamps";
+  }
+  return fmt::format("of {} left and {} right images {} pairs became frames: {}", came_[0],
+                     came_[1], pairs, why);
 }
 
 scenes::LostFrames RosTriplets::LostSince(bool at_end) {
@@ -191,6 +219,11 @@ scenes::LostFrames RosTriplets::LostSince(bool at_end) {
   // A message that was refused explains the image that will lack it.
   if (lost.count > 0) lost.trouble = trouble_.empty() ? WhyUnpaired() : std::exchange(trouble_, {});
   if (!lost.trouble.empty() && !at_end) return lost;
+  if (at_end) {
+    if (std::string why = WhyMostAreLost(); !why.empty()) {
+      return {.count = lost.count, .trouble = std::move(why), .lacks_most = true};
+    }
+  }
   const TofJoins& joins = synchronizer_.tof_joins();
   std::string no_ranges = JoinTrouble(joins, synchronizer_.config(), sensor_, at_end);
   if (no_ranges.empty()) no_ranges = cloud_watch_.Trouble(sensor_, at_end);
@@ -198,7 +231,7 @@ scenes::LostFrames RosTriplets::LostSince(bool at_end) {
   if (joins.came == 0 && !range_trouble_.empty()) {
     no_ranges = fmt::format("no range image of {} can be used: {}", sensor_, range_trouble_);
   }
-  lost.lacks_ranges = at_end;
+  lost.lacks_most = at_end;
   lost.trouble += (lost.trouble.empty() ? "" : "; ") + no_ranges;
   return lost;
 }

@@ -60,7 +60,8 @@ class RosTriplets {
   /// The next frame, with what was lost before it.
   std::optional<scenes::CapturedFrame> Next();
 
-  /// What was lost since then; at the end also why no range image has ever joined.
+  /// What was lost since then; at the end also why no range image has ever joined, or most images
+  /// became no frame.
   scenes::LostFrames TakeLost() { return LostSince(/*at_end=*/is_finished_); }
 
  private:
@@ -70,12 +71,14 @@ class RosTriplets {
   Result<TimedImage> DecodeDepth(const RosBytes& message) const;
   Result<TimedImage> DecodePoints(const RosBytes& message);
   std::string WhyUnpaired() const;
+  std::string WhyMostAreLost() const;
   scenes::LostFrames LostSince(bool at_end);
 
   std::optional<cv::Size> size_;
   std::optional<cv::Size> range_size_;
   ImageOfPoints image_of_points_;
-  std::string sensor_;  // topic of its messages
+  std::array<std::string, 2> topics_;  // of left and right
+  std::string sensor_;                 // topic of its messages
   TripletSynchronizer synchronizer_;
   EightBits eight_bits_;
   // Stamp of the newest image of left or right, the only clock here. Senders set theirs back (NTP,
@@ -85,7 +88,9 @@ class RosTriplets {
   // Stamps of the newest images of left and right. Before both came nothing is missing: topics are
   // found one by one.
   std::array<std::deque<int64_t>, 2> stamps_;
-  bool begins_ = true;  // until what came before both is forgotten
+  std::array<std::deque<int64_t>, 2> first_stamps_;
+  std::array<int64_t, 2> came_{};  // messages of left and right
+  bool begins_ = true;             // until what came before both is forgotten
   double max_spread_ms_;
   CloudWatch cloud_watch_;
   std::string trouble_;

@@ -241,7 +241,7 @@ std::string CloudTrouble(const Eigen::Vector3f& first, const Eigen::Vector3f& se
   const auto source = OpenRosSource(file.Source("&points=/points"), told.Options());
   EXPECT_EQ(All(*source).size(), 3U);
   const scenes::LostFrames lost = source->lost_at_end();
-  EXPECT_EQ(lost.lacks_ranges, !lost.trouble.empty());
+  EXPECT_EQ(lost.lacks_most, !lost.trouble.empty());
   return lost.trouble;
 }
 
@@ -252,6 +252,38 @@ TEST(RosForeign, SaysThatNoPointOfACloudIsInTheImage) {
                          "the axes of their frame 'sprout_left_optical_frame'"));
   EXPECT_THAT(CloudTrouble({0, 0, 2000}, {0, 0, -2}),
               HasSubstr("image, 1 are not finite or beyond 1000 m (in mm?); allowed are m"));
+}
+
+// The line at the end of a recording of as many left and right images, one behind the other.
+std::string LossOf(int count, int64_t stamp_step, uint64_t right_later_ns) {
+  RosRecording file(examples::Rig());
+  for (int i = 0; i < count; ++i) {
+    const uint64_t time_ns = 100'000'000ULL * static_cast<uint64_t>(i);
+    file.AddImage("/left/image", kStart + stamp_step * i, Grey(i), time_ns);
+    file.AddImage("/right/image", kStart + stamp_step * i, Grey(i), time_ns + right_later_ns);
+  }
+  Told told;
+  const auto source = OpenRosSource(file.Source(), told.Options());
+  All(*source);
+  const scenes::LostFrames lost = source->lost_at_end();
+  return lost.lacks_most ? lost.trouble : "";
+}
+
+TEST(RosForeign, SaysWhyMostOfARecordingBecameNoFrame) {
+  EXPECT_EQ(LossOf(20, 100'000, 0), "");
+  EXPECT_THAT(LossOf(20, 100'000, 1'500'000'000),
+              HasSubstr("pairs became frames: left and right ones of one time stand too far apart "
+                        "by the log times of the recording"));
+  EXPECT_THAT(LossOf(3, 0, 0), StartsWith("of 3 left and 3 right images 1 pairs became frames: "
+                                          "header.stamp = "));
+
+  RosRecording half(examples::Rig());
+  half.AddImage("/left/image", kStart, Grey(0));
+  half.AddTopic("/right/image", RosTypeOf<RosImage>());
+  Told told;
+  const auto source = OpenRosSource(half.Source(), told.Options());
+  EXPECT_EQ(All(*source).size(), 0U);
+  EXPECT_EQ(source->lost_at_end().trouble, "no message came on /right/image");
 }
 
 // A range image that was registered to a camera of the pair has its camera_info, and stands there.

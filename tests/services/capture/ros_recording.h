@@ -41,17 +41,22 @@ class RosRecording {
   explicit RosRecording(const std::string& path) : writer_(path, {.profile = "ros2"}) {}
   explicit RosRecording(const Rig& rig) : RosRecording() { AddCalibration(rig); }
 
-  /// @param time_ns  of the recording, not of the message.
-  void Add(const std::string& topic, const AnyRosMessage& message, uint64_t time_ns = 0) {
+  /// One that may have no message. @returns its channel.
+  uint16_t AddTopic(const std::string& topic, const RosType& type) {
     const auto [channel, is_new] = channels_.try_emplace(topic);
     if (is_new) {
-      const uint16_t schema =
-          writer_.AddSchema(message.type().name, "ros2msg", RosSchema(message.type()));
+      const uint16_t schema = writer_.AddSchema(type.name, "ros2msg", RosSchema(type));
       channel->second = writer_.AddChannel(schema, topic, "cdr");
     }
+    return channel->second;
+  }
+
+  /// @param time_ns  of the recording, not of the message.
+  void Add(const std::string& topic, const AnyRosMessage& message, uint64_t time_ns = 0) {
+    const uint16_t channel = AddTopic(topic, message.type());
     WriteCdr(message, cdr_);
     if (change_) change_(cdr_);
-    writer_.Write(channel->second, 0, time_ns, cdr_);
+    writer_.Write(channel, 0, time_ns, cdr_);
   }
 
   void AddPairInfo(const Rig& rig, int64_t utime = kStart, const RosFrames& frames = {}) {

@@ -212,7 +212,7 @@ std::string RangeTrouble(int64_t pairs_utime, int64_t range_utime,
   EXPECT_EQ(frames.size(), 3U);
   for (const auto& frame : frames) EXPECT_EQ(frame.trouble, "");
   const scenes::LostFrames lost = source->lost_at_end();
-  EXPECT_EQ(lost.lacks_ranges, !lost.trouble.empty());
+  EXPECT_EQ(lost.lacks_most, !lost.trouble.empty());
   return lost.trouble;
 }
 
