@@ -104,6 +104,16 @@ bool IsScaled(const RangeModel& model) {
           model.as_is.compared < scaled.compared / 2);
 }
 
+// Whether they are large where stereo is near: no factor explains that.
+bool IsInverse(const RangeModel& model) {
+  const Agreement& inverse = model.inverse;
+  return inverse.compared >= RangeVerdicts::kFewCompared &&
+         inverse.share() >= RangeVerdicts::kGood &&
+         inverse.share() - std::max(model.as_is.share(), model.scaled.share()) >=
+             RangeVerdicts::kScaledGain &&
+         inverse.agreeing >= model.turned.agreeing && inverse.close >= model.moved.close;
+}
+
 // Variance of a share, with one more match of either kind, so that 0 and n of n are not certain.
 double Variance(const Agreement& agreement) {
   const double n = agreement.compared + 2;
@@ -150,7 +160,8 @@ bool IsSpread(const RangeModel& model) {
 
 // Whether the range image as a whole is what is wrong, so that its parts need no cure.
 bool IsExplained(const RangeModel& model) {
-  return IsScaled(model) || IsTurned(model) || IsSpread(model) || IsElsewhere(model, model.shifted);
+  return IsScaled(model) || IsInverse(model) || IsTurned(model) || IsSpread(model) ||
+         IsElsewhere(model, model.shifted);
 }
 
 double Share(int some, int all) { return all == 0 ? 0 : static_cast<double>(some) / all; }
@@ -268,7 +279,13 @@ std::string SpreadText(const cv::Point2d& spread) {
 Finding JudgeScale(const RangeModel& model, bool is_turned) {
   Finding finding{
       .question = Question::kScale, .value = model.ratio.value, .sigma = model.ratio.sigma};
-  if (IsScaled(model)) {
+  if (IsInverse(model)) {
+    finding.verdict = Verdict::kBad;
+    finding.text = fmt::format(
+        "ranges are large where stereo is near (one over them agrees with it at {:.0f} % of the "
+        "matches): are they disparities, or inverse depths? give depths",
+        100 * model.inverse.share());
+  } else if (IsScaled(model)) {
     const double factor = 1 / model.ratio.value;
     const double sigma = factor * model.ratio.sigma / model.ratio.value;
     const bool is_short = factor > 1;

@@ -146,8 +146,8 @@ class Comparison {
       Eigen::Vector3d ray = projector_.ray(at.x, at.y);
       ray.x() *= hypothesis.spread.x;
       ray.y() *= hypothesis.spread.y;
-      const Eigen::Vector3d point =
-          rotation_ * (ray * (hypothesis.factor * pixel.depth)) + position;
+      const double depth = hypothesis.inverse ? 1 / pixel.depth : pixel.depth;
+      const Eigen::Vector3d point = rotation_ * (ray * (hypothesis.factor * depth)) + position;
       if (!(point.z() > 0)) continue;
       const double share = pair.focal_px / point.z();
       const double u = share * point.x() + pair.cx + hypothesis.move_px.x;
@@ -199,6 +199,29 @@ Agreement BestScaled(const Comparison& comparison, std::span<const RangePixel> p
     if (scaled.agreeing > best.agreeing) best = std::move(scaled);
   }
   return best;
+}
+
+double MedianDistance(std::span<const Match> matches, const RectifiedPair& pair) {
+  std::vector<double> distances;
+  for (const Match& match : matches) {
+    const double disparity = match.disparity() + pair.cx_right - pair.cx;
+    if (disparity >= RangeRules::kMinDisparityPx) {
+      distances.push_back(pair.focal_px * pair.baseline_m / disparity);
+    }
+  }
+  return distances.empty() ? 0 : Median(distances);
+}
+
+// @param distance_m  about that of the scene.
+Agreement BestInverse(const Comparison& comparison, std::span<const RangePixel> pixels,
+                      double distance_m) {
+  std::vector<double> values;
+  for (const RangePixel& pixel : pixels) values.push_back(pixel.depth);
+  Hypothesis hypothesis{.factor = distance_m * Median(values), .inverse = true};
+  for (int step = 0; step < 2; ++step) {
+    hypothesis.factor *= BestFactor(comparison.Compare(pixels, hypothesis).logs);
+  }
+  return comparison.Compare(pixels, hypothesis);
 }
 
 // @param transposed  whether turns by 90° are tried, too.
@@ -277,17 +300,6 @@ Agreement BestSpread(const Comparison& comparison, std::span<const RangePixel> p
   return MeritOf(square) > MeritOf(best) ? square : best;
 }
 
-double MedianDistance(std::span<const Match> matches, const RectifiedPair& pair) {
-  std::vector<double> distances;
-  for (const Match& match : matches) {
-    const double disparity = match.disparity() + pair.cx_right - pair.cx;
-    if (disparity >= RangeRules::kMinDisparityPx) {
-      distances.push_back(pair.focal_px * pair.baseline_m / disparity);
-    }
-  }
-  return distances.empty() ? 0 : Median(distances);
-}
-
 std::vector<Match> Swapped(std::span<const Match> matches) {
   std::vector<Match> swapped;
   for (const Match& match : matches) swapped.push_back({.left = match.right, .right = match.left});
@@ -338,6 +350,7 @@ RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
   model.turned = BestTurned(comparison, Chosen(all, RangeRules::kMaxTurned), !is_good);
   if (!is_good) {
     model.scaled = BestScaled(comparison, pixels);
+    model.inverse = BestInverse(comparison, pixels, MedianDistance(matches, pair));
     const std::vector<Match> swapped = Swapped(matches);
     model.swapped = Comparison(swapped, projector).Compare(pixels, {});
   }

@@ -41,7 +41,8 @@ enum class Vote : int8_t {
 
 /// What may have to be done to range points so that they agree with stereo.
 struct Hypothesis {
-  double factor = 1;             ///< of the ranges
+  double factor = 1;             ///< of the ranges,
+  bool inverse = false;          ///< or of one over them: they are disparities, or inverse depths
   Turn turn = {};                ///< of the range image
   double ahead_m = 0;            ///< the points are moved ahead,
   cv::Point2d move_px = {0, 0};  ///< or in the picture,
@@ -80,6 +81,7 @@ struct RangeModel {
   RepeatedRange repeated;
   Agreement as_is;
   Agreement scaled;   ///< of other factors the best, if as_is is not good
+  Agreement inverse;  ///< the same of one over the ranges
   Agreement turned;   ///< of other turns the best; by 90° only if as_is is not good
   Agreement moved;    ///< of moves ahead the best, if as_is is not close
   Agreement shifted;  ///< of moves in the picture the best, if as_is is not close

@@ -37,6 +37,17 @@ TEST(CheckInputs, NamesTheUnitOfRanges) {
   }
 }
 
+TEST(CheckInputs, NamesDisparitiesThatAreGivenAsRanges) {
+  for (const char* source : {"synthetic:640x480?tof=grid", "synthetic:640x480?tof=sr4000"}) {
+    for (const double factor : {1.0, 35.0}) {
+      Parts parts = SceneOf(source);
+      for (float& depth : parts.tof.depth_m) depth = static_cast<float>(factor / depth);
+      ExpectBad(parts, Question::kScale, "are they disparities, or inverse depths?");
+      EXPECT_NE(parts.Answer(Question::kMoment).verdict, Verdict::kBad);
+    }
+  }
+}
+
 TEST(CheckInputs, NamesTheUnitOfRangesBeyondAllSensors) {
   Parts parts = Scaled(1e5);
   EXPECT_THAT(parts.Answer(Question::kHits).text, HasSubstr("beyond 10000 m"));
