@@ -91,8 +91,14 @@ double Brightness(const cv::Mat1b& image, cv::Size inner, const std::vector<cv::
 
 // Puts the corners into the order of the board. @returns false when it cannot be told.
 bool Order(const cv::Mat1b& image, cv::Size inner, std::vector<cv::Point2f>& pixels) {
-  constexpr float kMinSlope = 0.2F;  // of a row's length, to the right
+  const bool is_square = inner.width == inner.height;
+  const float min_slope = is_square ? 0.77F : 0.2F;  // of a row's length, to the right
   const auto width = static_cast<size_t>(inner.width);
+  const cv::Point2f first_row = pixels[width - 1] - pixels[0];
+  if (is_square && std::abs(first_row.y) > std::abs(first_row.x)) {  // OpenCV began with a column
+    cv::Mat grid(inner, CV_32FC2, pixels.data());
+    cv::transpose(grid, grid);
+  }
   const cv::Point2f along = pixels[width - 1] - pixels[0];
   const cv::Point2f down = pixels[pixels.size() - width] - pixels[0];
   if (along.cross(down) < 0) {  // seen in a mirror: rows the other way round
@@ -104,7 +110,7 @@ bool Order(const cv::Mat1b& image, cv::Size inner, std::vector<cv::Point2f>& pix
   const bool colours_tell = (inner.width + inner.height) % 2 != 0;
   const cv::Point2f row = pixels[width - 1] - pixels[0];
   const auto length = static_cast<float>(cv::norm(row));
-  if (!colours_tell && std::abs(row.x) < kMinSlope * length) return false;
+  if (!colours_tell && std::abs(row.x) < min_slope * length) return false;
   if (colours_tell ? Brightness(image, inner, pixels) > 0 : row.x < 0) {
     std::ranges::reverse(pixels);
   }

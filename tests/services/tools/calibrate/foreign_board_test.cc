@@ -151,6 +151,16 @@ TEST(ForeignBoards, OfASymmetricChessboardTheImageSaysWhereItBegins) {
   EXPECT_EQ(FindBoard(board, Photograph(board, print, 88).image).size(), 0);
 }
 
+// OpenCV may begin with either side of a square board.
+TEST(ForeignBoards, OfASquareChessboardTheImageSaysWhatIsARow) {
+  const Board board(BoardSize{.kind = BoardKind::kChessboard, .columns = 8, .rows = 8});
+  const Print print = Chessboard(board.size());
+  for (const double turn : {-30, -20, -5, 0, 5, 20, 30}) {
+    ExpectAll(board, Photograph(board, print, turn), "turned by " + std::to_string(turn));
+  }
+  EXPECT_EQ(FindBoard(board, Photograph(board, print, 45).image).size(), 0);
+}
+
 TEST(ForeignBoards, CharucoBoardsOfAnyDictionary) {
   for (const char* name : {"DICT_5X5_250", "DICT_6X6_100", "DICT_APRILTAG_36h11"}) {
     const Board board(BoardSize{.dictionary = name, .marker_per_square = 0.7});
