@@ -45,6 +45,8 @@ struct PairRules {
   /// Right over left or left over right: 0.83 (ETH3D's playground) to 1.01 in good pairs. At 0.8
   /// preset `fast` loses most of its pixels, from 0.7 on `default` much confidence (NOTES.md).
   static constexpr double kMaxContrast = 1.23;
+  /// Of EXPSSD with the default σ_s² a window that fits but for more than that is worse than τ.
+  static constexpr double kMaxBrightness = 1.27;
   /// The same picture twice: so many of the matches are at one place, to so many px, also where one
   /// of them was blurred or compressed to a tenth. Of a pair only what is thousands of baselines
   /// away is.
@@ -262,25 +264,31 @@ Finding CannotTell(Question question) {
   return {.question = question, .text = "too few corners are in both images"};
 }
 
-// Standard deviation of the grey values in a window, 0 beside the border.
-double WindowContrast(const cv::Mat1b& image, const cv::Point2d& at) {
+struct Window {
+  double brightness = 0;  // mean of the grey values
+  double contrast = 0;    // their standard deviation; 0 beside the border
+};
+
+Window WindowAt(const cv::Mat1b& image, const cv::Point2d& at) {
   constexpr int kReach = 5;
   const cv::Rect window(cvRound(at.x) - kReach, cvRound(at.y) - kReach, 2 * kReach + 1,
                         2 * kReach + 1);
-  if ((window & cv::Rect({}, image.size())) != window) return 0;
+  if ((window & cv::Rect({}, image.size())) != window) return {};
   cv::Scalar mean, sigma;
   cv::meanStdDev(image(window), mean, sigma);
-  return sigma[0];
+  return {mean[0], sigma[0]};
 }
 
-// The contrast of the right image over that of the left one, by what both show.
+// The contrast and the brightness of the right image over those of the left one, by what both show.
 Finding JudgeContrast(const cv::Mat1b& left, const cv::Mat1b& right, const PairModel& model) {
   std::vector<double> logs;
+  std::vector<double> bright_logs;
   for (const Match& match : model.inliers) {
-    const double of_left = WindowContrast(left, match.left);
-    const double of_right = WindowContrast(right, match.right);
-    if (of_left > kBlankContrast && of_right > kBlankContrast) {
-      logs.push_back(std::log(of_right / of_left));
+    const Window of_left = WindowAt(left, match.left);
+    const Window of_right = WindowAt(right, match.right);
+    if (of_left.contrast > kBlankContrast && of_right.contrast > kBlankContrast) {
+      logs.push_back(std::log(of_right.contrast / of_left.contrast));
+      bright_logs.push_back(std::log(of_right.brightness / of_left.brightness));
     }
   }
   if (logs.size() < PairRules::kFewInliers) {
@@ -296,7 +304,17 @@ Finding JudgeContrast(const cv::Mat1b& left, const cv::Mat1b& right, const PairM
                              finding.value);
   if (is_bad) {
     finding.text += ": give both cameras one exposure, gain and focus, and both files as many bits";
+    return finding;
   }
+  const Estimate bright_log = MedianOf(std::move(bright_logs));
+  if (std::abs(bright_log.value) <= std::log(PairRules::kMaxBrightness)) return finding;
+  finding.verdict = Verdict::kBad;
+  finding.value = std::exp(bright_log.value);
+  finding.sigma = finding.value * bright_log.sigma;
+  finding.text = fmt::format(
+      "what both images show is {:.2f} times as bright in the right one: give both cameras one "
+      "exposure, gain, gamma and black level",
+      finding.value);
   return finding;
 }
 

@@ -54,6 +54,20 @@ TEST(CheckImages, SaysWhichImageIsTooBlurredToShowCorners) {
   EXPECT_NE(parts.Answer(Question::kContrast).verdict, Verdict::kBad);
 }
 
+TEST(CheckImages, SaysThatOneImageIsDarkerWhereBothHaveOneContrast) {
+  for (const double share : {0.9, 0.7}) {
+    Parts parts = SceneOf();
+    const double brightness = cv::mean(parts.right)[0];
+    parts.right -= (1 - share) * brightness;
+    const Finding finding = parts.Answer(Question::kContrast);
+    EXPECT_EQ(finding.verdict, share < 0.8 ? Verdict::kBad : Verdict::kGood) << finding.text;
+    if (share < 0.8) {
+      EXPECT_NEAR(finding.value, share, 0.05);
+      EXPECT_THAT(finding.text, testing::HasSubstr("times as bright in the right one: give both"));
+    }
+  }
+}
+
 // Rows of other squares, and one thing before a blank wall, are no tears.
 TEST(CheckImages, TakesPatternsAndEdgesForWhole) {
   Parts parts = SceneOf();
