@@ -75,16 +75,26 @@ struct KittiFiles {
                                         : kPng)),
         left(folder.Images(false) / image_name),
         right(folder.Images(true) / image_name),
-        truth(folder.path / "disp_occ_0" / image_name),
-        seen_truth(folder.path / "disp_noc_0" / image_name),
+        truth(Truth(folder, "disp_occ")),
+        seen_truth(Truth(folder, "disp_noc")),
         scan(folder.path / "velodyne" / (id + ".bin")) {
-    if (folder.layout == KittiLayout::kSet) calibration = folder.path / "calib" / (id + ".txt");
+    if (folder.layout == KittiLayout::kSet) {
+      const fs::path of_2015 = folder.path / "calib_cam_to_cam" / (id + ".txt");
+      calibration = folder.path / "calib" / (id + ".txt");
+      if (!IsFile(calibration) && IsFile(of_2015)) calibration = of_2015;
+    }
     if (folder.layout == KittiLayout::kSequence) calibration = folder.path / "calib.txt";
     if (folder.layout == KittiLayout::kRaw) {
       const bool is_here = IsFile(folder.path / kRawCalibration);
       calibration = (is_here ? folder.path : folder.path.parent_path()) / kRawCalibration;
       scan = folder.path / "velodyne_points" / "data" / (id + ".bin");
     }
+  }
+
+  // The set of 2015 numbers its truths, that of 2012 does not.
+  fs::path Truth(const KittiFolder& folder, const std::string& name) const {
+    const fs::path of_2012 = folder.path / name / image_name;
+    return IsFile(of_2012) ? of_2012 : folder.path / (name + "_0") / image_name;
   }
 
   std::string image_name;
@@ -95,8 +105,14 @@ struct KittiFiles {
   fs::path scan;
 };
 
-KittiCalibration ReadCalibration(const KittiFolder& folder, const KittiFiles& files,
-                                 cv::Size size) {
+// @param with_scan  otherwise the pair is enough: the stereo sets have no scans, nor their pose.
+KittiCalibration ReadCalibration(const KittiFolder& folder, const KittiFiles& files, cv::Size size,
+                                 bool with_scan) {
+  if (!with_scan) return {.pair = ReadKittiPair(files.calibration, size, folder.grey)};
+  if (folder.layout == KittiLayout::kSet && !IsFile(files.scan)) {
+    throw ConfigError("scan " + files.scan.string() +
+                      ": not there; allowed: that of a Velodyne, or ?tof=none");
+  }
   switch (folder.layout) {
     case KittiLayout::kSequence:
       return ReadKittiSequenceCalibration(files.calibration, size, folder.grey);
@@ -163,13 +179,14 @@ class KittiDataset : public Dataset {
       frames_.emplace_back(folder_, path.filename());
     }
     const cv::Size size = ReadImage(frames_.front().left, cv::IMREAD_ANYCOLOR).size();
-    const KittiCalibration calibration = ReadCalibration(folder_, frames_.front(), size);
+    const KittiCalibration calibration =
+        ReadCalibration(folder_, frames_.front(), size, uses_scan_);
     rig_.pair = calibration.pair;
     if (uses_scan_) rig_.tof = TofGridCamera(rig_.pair, 1);
     left_from_scanner_ = calibration.left_from_scanner;
     actual_left_from_scanner_ = TurnedScanner(left_from_scanner_, config.range_errors());
     if (folder_.layout == KittiLayout::kSet) {
-      for (const KittiFiles& files : frames_) RequireThisCalibration(files.calibration);
+      for (const KittiFiles& files : frames_) RequireThisCalibration(files);
     }
     Get(0);
   }
@@ -190,14 +207,14 @@ class KittiDataset : public Dataset {
 
  private:
   // A rig has one calibration, and KITTI's recordings have several.
-  void RequireThisCalibration(const fs::path& file) const {
-    const KittiCalibration other = ReadKittiCalibration(file, rig_.pair.size());
+  void RequireThisCalibration(const KittiFiles& files) const {
+    const KittiCalibration other = ReadCalibration(folder_, files, rig_.pair.size(), uses_scan_);
     const Rig rig{.pair = other.pair, .tof = rig_.tof};
     if (RigId(rig) == RigId(rig_) &&
         other.left_from_scanner.matrix() == left_from_scanner_.matrix()) {
       return;
     }
-    throw ConfigError("calibration " + file.string() + ": not that of " +
+    throw ConfigError("calibration " + files.calibration.string() + ": not that of " +
                       frames_.front().calibration.string() +
                       "; allowed: frames of one calibration, or one frame (kitti:FOLDER/ID)");
   }

@@ -13,12 +13,13 @@ namespace sprout::scenes {
 ///
 ///   image_2/ID_10.png, image_3/ID_10.png         left and right image, rectified; or ID.png, as in
 ///                                                the object set
-///   calib/ID.txt                                 ReadKittiCalibration()
+///   calib/ID.txt                                 ReadKittiCalibration(); with tof = none the pair
+///                                                alone, also of calib_cam_to_cam/ID.txt (2015)
 ///   velodyne/ID.bin                              ReadVelodyneScan(); not read with tof = none
 ///   disp_occ_0/ID_10.png, disp_noc_0/ID_10.png   truth, 16 bit: disparity in px = code / 256, 0 =
 ///                                                unknown; with and without the pixels that the
 ///                                                right camera does not see. Either may be missing,
-///                                                the object set has none.
+///                                                the object set has none. disp_occ, disp_noc: 2012
 ///
 /// Also an odometry sequence (image_2 and image_3, or the grey image_0 and image_1; calib.txt;
 /// velodyne/ID.bin) and a raw drive (image_02/data and image_03/data, or image_00 and image_01;

@@ -101,6 +101,35 @@ TEST_F(KittiLayouts, OdometrySequencesMayHaveGreyImagesAlone) {
   EXPECT_EQ(source->frame_count(), 2);
 }
 
+// As they are published: without scans.
+TEST_F(KittiLayouts, StereoSetsHaveAPairAndItsTruthAlone) {
+  const auto write = [&](const std::vector<std::string>& images, const std::string& truth,
+                         const std::string& calibration, const std::string& text) {
+    for (const std::string& folder : {images[0], images[1], truth, calibration}) {
+      std::filesystem::create_directories(folder_.File(folder));
+    }
+    for (const std::string& view : images) {
+      folder_.WriteImage(view + "/000000_10.png", SomePicture(kSize));
+    }
+    folder_.WriteImage(truth + "/000000_10.png", cv::Mat1w(kSize, uint16_t{5 * 256}));
+    folder_.WriteText(calibration + "/000000.txt", text);
+  };
+  write({"2012/image_0", "2012/image_1"}, "2012/disp_occ", "2012/calib",
+        "P0: 100 0 20 0 0 100 15 0 0 0 1 0\nP1: 100 0 20 -54 0 100 15 0 0 0 1 0\n"
+        "P2: 100 0 20 6 0 100 15 0 0 0 1 0\nP3: 100 0 20 -44 0 100 15 0 0 0 1 0\n");
+  write({"2015/image_2", "2015/image_3"}, "2015/disp_occ_0", "2015/calib_cam_to_cam",
+        "P_rect_02: 100 0 20 6 0 100 15 0 0 0 1 0\nP_rect_03: 100 0 20 -44 0 100 15 0 0 0 1 0\n");
+  for (const auto& [name, baseline_m] : {std::pair{"2012", 0.54}, {"2015", 0.5}}) {
+    const auto source = Open(std::string(name) + "?tof=none");
+    EXPECT_NEAR(source->rig().pair.baseline_m, baseline_m, 1e-12);
+    EXPECT_EQ(source->Get(0).truth.left(5, 5), 5);
+    CaptureConfig with_scan;
+    with_scan.set_source("kitti:" + folder_.File(name));
+    EXPECT_THAT(OpenError(with_scan), HasSubstr("000000.bin: not there; allowed: that of a "
+                                                "Velodyne, or ?tof=none"));
+  }
+}
+
 TEST_F(KittiLayouts, RawDrivesHaveTheirDaysCalibrationInTheFolderAbove) {
   WriteViews("drive_sync/image_02/data", "drive_sync/image_03/data");
   WriteScan("drive_sync/velodyne_points/data", 8);
