@@ -87,17 +87,35 @@ void EightBits::LookAt(std::initializer_list<CameraImage*> images) {
   range_ = used;
 }
 
+void EightBits::NoteBeyond(std::initializer_list<CameraImage*> images) {
+  if (said_misfit_) return;
+  double beyond = 0;
+  double total = 0;
+  for (const CameraImage* image : images) {
+    const cv::Mat values = image->pixels.reshape(1);
+    beyond += cv::countNonZero(values >= (1 << bits_));
+    total += static_cast<double>(values.total());
+  }
+  if (beyond <= kIgnored * total) return;
+  said_misfit_ = true;
+  note_ = fmt::format(
+      "bits = {}: {:.1f} % of the pixels are above {} and become white; allowed: as "
+      "many bits as they use, or none, then it is found out",
+      bits_, 100 * beyond / total, (1 << bits_) - 1);
+}
+
 void EightBits::Convert(std::initializer_list<CameraImage*> images) {
   const auto has_more = [](const CameraImage* image) { return image->pixels.depth() == CV_16U; };
   const bool any_has_more = std::ranges::any_of(images, has_more);
   int by_format = 0;
   for (const CameraImage* image : images) by_format = std::max(by_format, image->largest);
-  if (bits_ > kMinBits && !any_has_more && !std::exchange(said_unused_, true)) {
+  if (bits_ > kMinBits && !any_has_more && !std::exchange(said_misfit_, true)) {
     note_ = fmt::format("bits = {} changes nothing: images of 8 bits are taken as they are", bits_);
   }
   Range range{.low = 0, .width = by_format + 1.0};
   if (any_has_more && bits_ > 0) {
     range.width = 1 << bits_;
+    NoteBeyond(images);
   } else if (any_has_more && (by_format == 0 || by_format == kValues - 1)) {  // any value at all
     LookAt(images);
     range = range_;

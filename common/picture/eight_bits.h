@@ -25,7 +25,7 @@ Result<void> CheckBits(int bits);
 ///      and 16 that holds all; or, where 99.8 % of them use less than an eighth of that (thermal
 ///      cameras), the range of these and half of it more on both sides.
 /// A later capture with pixels beyond that is looked at anew, and this is said. So it is once when
-/// the user says more than 8 bits of images that have 8.
+/// the user says more than 8 bits of images that have 8, or fewer than pixels use.
 class EightBits {
  public:
   /// @param bits  of a pixel, kMinBits to kMaxBits; 0: found out.
@@ -47,11 +47,12 @@ class EightBits {
 
   static Range RangeOf(std::initializer_list<CameraImage*> images);
   void LookAt(std::initializer_list<CameraImage*> images);
+  void NoteBeyond(std::initializer_list<CameraImage*> images);
 
   int bits_;
   Range range_;
   std::string note_;
-  bool said_unused_ = false;
+  bool said_misfit_ = false;  // of what the user says and the images have
 };
 
 }  // namespace sprout

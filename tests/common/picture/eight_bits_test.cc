@@ -46,6 +46,20 @@ TEST(EightBits, SayOnceThatBitsOf8BitImagesChangeNothing) {
   }
 }
 
+TEST(EightBits, SayOnceThatPixelsAreBeyondTheBitsThatWereAskedFor) {
+  EightBits eight_bits(12);
+  CameraImage within = Image(Ramp(0, 4095));
+  eight_bits.Convert({&within});
+  EXPECT_THAT(eight_bits.TakeNote(), IsEmpty());
+  for (const bool is_first : {true, false}) {
+    CameraImage shifted = Image(Ramp(0, 4095) * 16);  // left-aligned in 16
+    eight_bits.Convert({&shifted});
+    const std::string note = eight_bits.TakeNote();
+    EXPECT_EQ(note.empty(), !is_first) << note;
+    if (is_first) EXPECT_THAT(note, HasSubstr("bits = 12: 93.7 % of the pixels are above 4095"));
+  }
+}
+
 TEST(EightBits, SaysWhichBitsCanBeAskedFor) {
   for (const int bits : {0, 8, 16}) EXPECT_TRUE(CheckBits(bits)) << bits;
   for (const int bits : {-8, 1, 7, 17}) {
