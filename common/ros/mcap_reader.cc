@@ -271,6 +271,8 @@ std::string OtherBag(std::span<const uint8_t> begin) {
     return ": a bag of ROS 1; make one of ROS 2 of it with rosbags-convert (of Python's package "
            "rosbags)";
   }
+  if (text.starts_with("\x1f\x8b")) return ": packed with gzip; unpack it with gunzip";
+  if (text.starts_with("\x04\x22\x4d\x18")) return ": packed with lz4; unpack it with unlz4";
   return "";
 }
 

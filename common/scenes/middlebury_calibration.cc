@@ -141,9 +141,11 @@ PairCalibration OpenCalibFile(const std::filesystem::path& path) {
       text.find("P_rect_0") != std::string::npos) {
     return OpenKittiPairs(path);
   }
-  throw ConfigError("calibration " + path.string() +
-                    ": neither Middlebury's (cam0=) nor KITTI's (P2:, P_rect_02:); allowed: one of "
-                    "these, or --focal-px and --baseline-m");
+  throw ConfigError(
+      "calibration " + path.string() +
+      ": neither Middlebury's (cam0=) nor KITTI's (P2:, P_rect_02:); allowed: one of "
+      "these, --focal-px and --baseline-m, or of OpenCV, ROS and Kalibr --rig with what "
+      "sprout-calibrate import makes of it");
 }
 
 }  // namespace sprout::scenes

@@ -186,6 +186,12 @@ TEST_F(McapPartsTest, OfOtherBagsSayWhatMakesMcapOfThem) {
   std::ofstream(folder_ / "a.bag") << "#ROSBAG V2.0\n";
   EXPECT_THAT([&] { McapReader(fs::path(folder_ / "a.bag")); },
               testing::ThrowsMessage<ConfigError>(HasSubstr("rosbags-convert")));
+  std::ofstream(folder_ / "a.mcap.lz4") << "\x04\x22\x4d\x18 and more";
+  EXPECT_THAT([&] { McapReader(fs::path(folder_ / "a.mcap.lz4")); },
+              testing::ThrowsMessage<ConfigError>(HasSubstr("packed with lz4; unpack it")));
+  std::ofstream(folder_ / "a.mcap.gz") << "\x1f\x8b\x08 and more";
+  EXPECT_THAT([&] { McapReader(fs::path(folder_ / "a.mcap.gz")); },
+              testing::ThrowsMessage<ConfigError>(HasSubstr("packed with gzip; unpack it")));
   WriteBytes(folder_ / "packed.mcap.zstd", Bytes());
   Pack(folder_ / "a.bag", folder_ / "packed.mcap.zstd");
   EXPECT_THAT([&] { McapReader(fs::path(folder_ / "packed.mcap.zstd")); },

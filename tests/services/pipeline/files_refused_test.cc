@@ -62,7 +62,9 @@ TEST_F(Files, ThatCannotBeUsedAreRefusedBeforeAnythingIsComputed) {
       {[&](auto& o) { o.rig = {.calib_file = nothing}; },
        "calibration " + nothing + ": cannot be read (No such file"},
       {[&](auto& o) { o.rig = {.calib_file = calib_of("fx 90")}; },
-       "neither Middlebury's (cam0=) nor KITTI's (P2:, P_rect_02:)"},
+       "neither Middlebury's (cam0=) nor KITTI's (P2:, P_rect_02:); allowed: one of these, "
+       "--focal-px and --baseline-m, or of OpenCV, ROS and Kalibr --rig with what sprout-calibrate "
+       "import makes of it"},
       {[&](auto& o) { o.rig = {.calib_file = calib_of("cam0=[9 0 4]")}; },
        "cam0=[9 0 4]: allowed: "},
       {[&](auto& o) { o.rig = {.calib_file = calib_of(middlebury + "width=wide")}; },

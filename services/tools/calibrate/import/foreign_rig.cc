@@ -170,6 +170,9 @@ ForeignRig RosRig(const std::vector<ForeignFile>& files, const std::vector<YAML:
 ForeignRig ReadYamlRig(const std::vector<ForeignFile>& files) {
   std::vector<YAML::Node> roots;
   for (const ForeignFile& file : files) {
+    if (file.text.find('\0') != std::string::npos) {
+      throw Bad(file, "no text, but binary, as of NumPy or Matlab; allowed are YAML, XML and JSON");
+    }
     try {
       roots.push_back(YAML::Load(file.text));
     } catch (const YAML::Exception& e) {

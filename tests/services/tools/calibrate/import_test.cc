@@ -270,6 +270,8 @@ TEST_F(Import, CameraInfoFilesOfRos) {
   EXPECT_THAT(Refusal({Write("other.yaml", "a: 3\n")}),
               HasSubstr("no calibration of OpenCV (stereoCalibrate), ROS (camera_info) or Kalibr"));
   EXPECT_THAT(Refusal({Write("text.yaml", "a: [3\n")}), HasSubstr("text.yaml: no YAML: "));
+  EXPECT_THAT(Refusal({Write("stereo.npz", std::string("PK\x03\x04\0\0", 6))}),
+              HasSubstr("stereo.npz: no text, but binary, as of NumPy or Matlab"));
 }
 
 std::string KalibrCamera(const std::string& name, const cv::Matx33d& k, const std::string& model,
