@@ -105,7 +105,14 @@ struct CodedScene {
 constexpr CodedScene k2005 = {"view1", "view5", "disp1", "disp5", 1110, 255};
 constexpr CodedScene k2003 = {"im2", "im6", "disp2", "disp6", 1500, 4};
 
+// The scenes of 2001 have the names of 2003's, eight codes a px, and rows that these do not have.
+constexpr int k2001Rows[] = {380, 381, 383};
+constexpr int k2001Codes = 8;
+
 int ScaleFromRows(const CodedScene& scene, int rows) {
+  if (scene.left == k2003.left && std::ranges::find(k2001Rows, rows) != std::end(k2001Rows)) {
+    return k2001Codes;
+  }
   return std::clamp(static_cast<int>(std::lround(scene.full_rows / double(rows))), 1,
                     scene.most_codes);
 }

@@ -15,8 +15,8 @@ using testing::HasSubstr;
 
 const cv::Size kSize{40, 30};
 
-TEST(Layouts, MiddleburyOf2003HasFourCodesAPixelInItsSmallestSize) {
-  for (const auto& [rows, codes] : {std::pair{72, 4}, {375, 4}, {750, 2}, {1500, 1}}) {
+TEST(Layouts, MiddleburyOf2003HasFourCodesAPixelInItsSmallestSizeAndOf2001Eight) {
+  for (const auto& [rows, codes] : {std::pair{72, 4}, {375, 4}, {750, 2}, {1500, 1}, {383, 8}}) {
     const SceneFolder folder;
     const cv::Size size(20, rows);
     folder.WriteImage("im2.png", SomePicture(size));
