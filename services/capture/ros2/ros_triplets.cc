@@ -154,7 +154,7 @@ Result<void> RosTriplets::Take(const RosBytes& message) {
   if (!timed) {
     // Its partner will be counted as a capture that is not whole.
     trouble_ = timed.error().text;
-    if (place == RigPlace::kTof) range_trouble_ = trouble_;
+    (place == RigPlace::kTof ? range_trouble_ : refusal_) = trouble_;
     return tl::unexpected(timed.error());
   }
   synchronizer_.Push(place, std::move(*timed));
@@ -200,8 +200,8 @@ std::string RosTriplets::WhyMostAreLost() const {
   }
   const int64_t pairs = synchronizer_.tof_joins().pairs;
   if (pairs == 0 || 2 * pairs >= std::min(came_[0], came_[1])) return {};
-  std::string why = trouble_.empty() ? WhyUnpaired() : trouble_;
-  if (trouble_.empty() && NearestMs(first_stamps_) <= max_spread_ms_) {
+  std::string why = refusal_.empty() ? WhyUnpaired() : refusal_;
+  if (refusal_.empty() && NearestMs(first_stamps_) <= max_spread_ms_) {
     why =
         "left and right ones of one time stand too far apart by the log times of the recording; "
         "allowed is that these follow the stamps";
@@ -221,7 +221,8 @@ scenes::LostFrames RosTriplets::LostSince(bool at_end) {
   if (!lost.trouble.empty() && !at_end) return lost;
   if (at_end) {
     if (std::string why = WhyMostAreLost(); !why.empty()) {
-      return {.count = lost.count, .trouble = std::move(why), .lacks_most = true};
+      lost.trouble = std::move(why);
+      lost.lacks_most = true;
     }
   }
   const TofJoins& joins = synchronizer_.tof_joins();

@@ -95,6 +95,7 @@ class RosTriplets {
   CloudWatch cloud_watch_;
   std::string trouble_;
   std::string range_trouble_;  // of the newest range image that cannot be used
+  std::string refusal_;        // the same of left and right
   bool is_finished_ = false;
 };
 

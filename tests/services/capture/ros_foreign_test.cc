@@ -254,38 +254,6 @@ TEST(RosForeign, SaysThatNoPointOfACloudIsInTheImage) {
               HasSubstr("image, 1 are not finite or beyond 1000 m (in mm?); allowed are m"));
 }
 
-// The line at the end of a recording of as many left and right images, one behind the other.
-std::string LossOf(int count, int64_t stamp_step, uint64_t right_later_ns) {
-  RosRecording file(examples::Rig());
-  for (int i = 0; i < count; ++i) {
-    const uint64_t time_ns = 100'000'000ULL * static_cast<uint64_t>(i);
-    file.AddImage("/left/image", kStart + stamp_step * i, Grey(i), time_ns);
-    file.AddImage("/right/image", kStart + stamp_step * i, Grey(i), time_ns + right_later_ns);
-  }
-  Told told;
-  const auto source = OpenRosSource(file.Source(), told.Options());
-  All(*source);
-  const scenes::LostFrames lost = source->lost_at_end();
-  return lost.lacks_most ? lost.trouble : "";
-}
-
-TEST(RosForeign, SaysWhyMostOfARecordingBecameNoFrame) {
-  EXPECT_EQ(LossOf(20, 100'000, 0), "");
-  EXPECT_THAT(LossOf(20, 100'000, 1'500'000'000),
-              HasSubstr("pairs became frames: left and right ones of one time stand too far apart "
-                        "by the log times of the recording"));
-  EXPECT_THAT(LossOf(3, 0, 0), StartsWith("of 3 left and 3 right images 1 pairs became frames: "
-                                          "header.stamp = "));
-
-  RosRecording half(examples::Rig());
-  half.AddImage("/left/image", kStart, Grey(0));
-  half.AddTopic("/right/image", RosTypeOf<RosImage>());
-  Told told;
-  const auto source = OpenRosSource(half.Source(), told.Options());
-  EXPECT_EQ(All(*source).size(), 0U);
-  EXPECT_EQ(source->lost_at_end().trouble, "no message came on /right/image");
-}
-
 // A range image that was registered to a camera of the pair has its camera_info, and stands there.
 TEST(RosForeign, ARangeImageMayHaveTheCameraInfoOfAnImage) {
   const RectifiedPair pair = examples::Rig().pair;
