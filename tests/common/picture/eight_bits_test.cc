@@ -56,7 +56,9 @@ TEST(EightBits, SayOnceThatPixelsAreBeyondTheBitsThatWereAskedFor) {
     eight_bits.Convert({&shifted});
     const std::string note = eight_bits.TakeNote();
     EXPECT_EQ(note.empty(), !is_first) << note;
-    if (is_first) EXPECT_THAT(note, HasSubstr("bits = 12: 93.7 % of the pixels are above 4095"));
+    if (is_first) {
+      EXPECT_THAT(note, HasSubstr("bits = 12: 93.7 % of the pixels are above 4095"));
+    }
   }
 }
 
