@@ -1,15 +1,13 @@
 #include "services/grow/grow_adapter.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdlib>
-#include <functional>
-#include <numeric>
 #include <span>
 #include <utility>
 
 #include "common/core/image.h"
+#include "common/core/joined.h"
+#include "common/core/window_sums.h"
 #include "common/geometry/widened_frame.h"
 
 namespace sprout::grow {
@@ -39,45 +37,39 @@ std::string Contradiction(std::span<const Seed> seeds, const PriorMap& prior) {
          std::to_string(seeds.size()) + " seeds: it has " + first;
 }
 
-// Grey levels of a 5x5 window less their mean, times 25.
-using Window = std::array<int, 25>;
-
-Window WindowAt(const cv::Mat1b& image, int u, int v) {
-  Window window;
-  auto value = window.begin();
-  for (int y = v - 2; y <= v + 2; ++y) value = std::copy_n(&image(y, u - 2), 5, value);
-  const int sum = std::accumulate(window.begin(), window.end(), 0);
-  for (int& level : window) level = 25 * level - sum;
-  return window;
-}
-
-int Difference(const Window& a, const Window& b) {
-  return std::transform_reduce(a.begin(), a.end(), b.begin(), 0, std::plus<>(),
-                               [](int x, int y) { return std::abs(x - y); });
-}
-
 // What says that the images do not show the seeds, as those of another program in another unit;
-// else empty. Of seeds with texture so few match better than 3 px nearer and farther that chance
-// would give more: in 100 frames 9 to 31 % where all are wrong by a factor or 5 px, and at least
-// 54 % of right ones.
+// else empty. Of seeds with texture so few match better, by eq. (1), than 3 px nearer and farther
+// that chance would give more: in 100 frames 9 to 31 % where all are wrong by a factor or 5 px, and
+// at least 54 % of right ones.
 std::string Mismatch(const cv::Mat1b& left, const cv::Mat1b& right, std::span<const Seed> seeds) {
   constexpr int kStepPx = 3;
-  constexpr int kLeastTexture = 4 * 25 * 25;  // of a window: 4 grey levels in the mean
-  constexpr size_t kEnough = 5000;
-  constexpr int kReach = kStepPx + 2;
-  const cv::Rect inside(2, 2, left.cols - 4, left.rows - 4);
-  const cv::Rect reached(kReach, 2, right.cols - 2 * kReach, right.rows - 4);
+  constexpr int kRadius = 2;
+  constexpr double kMargin = kRadius - 0.5;
+  constexpr int kPixels = (2 * kRadius + 1) * (2 * kRadius + 1);
+  constexpr int kLeastSigma = 4;  // of a window with texture, grey levels
+  constexpr size_t kEnough = 2000;
   int textured = 0;
   int matched = 0;
   for (size_t i = 0; i < seeds.size(); i += 1 + seeds.size() / kEnough) {
-    const cv::Point at(cvRound(seeds[i].u), cvRound(seeds[i].v));
-    const cv::Point to(cvRound(seeds[i].u_right), at.y);
-    if (!inside.contains(at) || !reached.contains(to)) continue;
-    const Window window = WindowAt(left, at.x, at.y);
-    if (Difference(window, Window{}) < kLeastTexture) continue;
-    const auto cost = [&](int u) { return Difference(window, WindowAt(right, u, to.y)); };
+    const Seed& seed = seeds[i];
+    if (!IsInside(seed.u, seed.v, left.size(), kMargin) ||
+        !IsInside(seed.u_right, seed.v, right.size(), kMargin + kStepPx, kMargin)) {
+      continue;
+    }
+    const cv::Point at(cvRound(seed.u), cvRound(seed.v));
+    int variance = 0;
+    const auto mncc = [&](int aside_px) {
+      const WindowSums sums =
+          SumWindows<kRadius>(left, right, at, {cvRound(seed.u_right) + aside_px, at.y});
+      variance = kPixels * sums.left_squares - sums.left * sums.left;
+      const int of_right = kPixels * sums.right_squares - sums.right * sums.right;
+      const int both = kPixels * sums.products - sums.left * sums.right;
+      return variance == 0 ? 0 : 2.0 * both / (variance + of_right);
+    };
+    const double here = mncc(0);
+    if (variance < kPixels * kPixels * kLeastSigma * kLeastSigma) continue;
     ++textured;
-    matched += cost(to.x) < std::min(cost(to.x - kStepPx), cost(to.x + kStepPx)) ? 1 : 0;
+    matched += here > std::max(mncc(-kStepPx), mncc(kStepPx)) ? 1 : 0;
   }
   // Three standard deviations below one in three.
   if (matched >= textured / 3.0 - std::sqrt(2.0 * textured)) return "";
@@ -85,12 +77,6 @@ std::string Mismatch(const cv::Mat1b& left, const cv::Mat1b& right, std::span<co
       "%d of %d seeds with texture match the images better than 3 px beside them, "
       "fewer than by chance: are they of this pair and moment, and in px?",
       matched, textured);
-}
-
-// Puts what is found last behind.
-void Append(const std::string& finding, std::string& degenerate) {
-  if (!finding.empty() && !degenerate.empty()) degenerate += "; ";
-  degenerate += finding;
 }
 
 }  // namespace
@@ -108,7 +94,7 @@ GrowAdapter::Growth GrowAdapter::Grow(const Frame& frame) {
   if (!frame.prior || frame.prior->size() != frame.left.size()) return growth;
   const std::string contradiction = Contradiction(frame.seeds->seeds, *frame.prior);
   growth.contradicted = !contradiction.empty();
-  Append(contradiction, growth.degenerate);
+  growth.degenerate = JoinedTexts(growth.degenerate, contradiction);
   return growth;
 }
 
@@ -136,7 +122,7 @@ GrowAdapter::Growth GrowAdapter::GrowFrom0(const Frame& frame) {
   } else if (!growth.map.AnyValid()) {
     growth.degenerate = "nothing grew from " + std::to_string(growth.seeds.size()) + " seeds";
   }
-  Append(Mismatch(left, right, growth.seeds), growth.degenerate);
+  growth.degenerate = JoinedTexts(growth.degenerate, Mismatch(left, right, growth.seeds));
   return growth;
 }
 
