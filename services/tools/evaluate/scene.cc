@@ -191,7 +191,7 @@ Scene LoadScene(const std::string& scene, const TofChoice& tof, CaptureConfig co
     throw ConfigError("scene " + scene + ": no ground truth; allowed: a scene with ground truth");
   }
   const Visibility visibility = VisibilityOf(truth);
-  const cv::Mat1b scored = visibility.nonoccluded & (truth.left <= kMaxSide);  // NaN is not
+  const cv::Mat scored = visibility.nonoccluded & (truth.left <= kMaxSide);  // NaN is not
   if (cv::countNonZero(scored) == 0) {
     throw ConfigError("scene " + scene +
                       ": its ground truth has no pixel that both cameras see; "
