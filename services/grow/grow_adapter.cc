@@ -47,7 +47,7 @@ std::string Mismatch(const cv::Mat1b& left, const cv::Mat1b& right, std::span<co
   constexpr double kMargin = kRadius - 0.5;
   constexpr int kPixels = (2 * kRadius + 1) * (2 * kRadius + 1);
   constexpr int kLeastSigma = 4;  // of a window with texture, grey levels
-  constexpr size_t kEnough = 2000;
+  constexpr size_t kEnough = 1000;
   int textured = 0;
   int matched = 0;
   for (size_t i = 0; i < seeds.size(); i += 1 + seeds.size() / kEnough) {
