@@ -255,7 +255,7 @@ std::optional<size_t> FindJump(const Counts& counts, const std::vector<PairedNam
   for (size_t i = 1; i < pairs.size(); ++i) {
     const int64_t step_first = counts.first[pairs[i].first] - counts.first[pairs[i - 1].first];
     const int64_t step_second = counts.second[pairs[i].second] - counts.second[pairs[i - 1].second];
-    if (2 * std::abs(step_first - step_second) > counts.step) return i;
+    if (std::abs(step_first - step_second) > counts.step / 2) return i;
   }
   return std::nullopt;
 }

@@ -39,8 +39,8 @@ std::string Contradiction(std::span<const Seed> seeds, const PriorMap& prior) {
 
 // What says that the images do not show the seeds, as those of another program in another unit;
 // else empty. Of seeds with texture so few match better, by eq. (1), than 3 px nearer and farther
-// that chance would give more: in 100 frames 9 to 31 % where all are wrong by a factor or 5 px, and
-// at least 54 % of right ones.
+// that chance would give more: in 100 frames, by sums of absolute differences, 9 to 31 % where all
+// are wrong by a factor or 5 px, and at least 54 % of right ones.
 std::string Mismatch(const cv::Mat1b& left, const cv::Mat1b& right, std::span<const Seed> seeds) {
   constexpr int kStepPx = 3;
   constexpr int kRadius = 2;
