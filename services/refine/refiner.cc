@@ -91,6 +91,7 @@ void Refiner::AddStereo(const cv::Mat1b& left, const cv::Mat1b& right, const Cel
   if (nothing_fits) return;
   const double spacing_px = points_.empty() ? 0 : surface_.spacing_px();
   const bool dense = !points_.empty() && !stereo_.IsCoarse(spacing_px, left.cols);
+  stereo_.SetColumnError(found_.range_error.columns_px);
   // A sensor that is refused for its place was found wrong with all of them.
   const std::span<const Seed> stereo =
       found_.range_error.rejected

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
 #include <optional>
 #include <vector>
@@ -59,14 +60,22 @@ PairFit PairFitAt(const RangeInput& input, const RangeNodes& nodes) {
     RowCosts& sum = blocks[static_cast<size_t>(block)];
     for (size_t k = 0; k < sum.size(); ++k) sum[k] += (*costs)[k];
   }
-  double here = 0;
+  RowCosts of_all{};
   double best = 0;
+  double most_rows = 0;
   for (const RowCosts& sum : blocks) {
-    here += sum[0];
-    best += *std::ranges::min_element(sum);
+    for (size_t k = 0; k < sum.size(); ++k) of_all[k] += sum[k];
+    const auto least = std::ranges::min_element(sum);
+    best += *least;
+    most_rows = std::max(most_rows, static_cast<double>(std::abs(kMoves[least - sum.begin()])));
   }
+  const double here = of_all[0];
   if (!(here > 0)) return {};
-  return {.cost = here / count, .rows_gain = 1 - best / here};
+  const double together = *std::ranges::min_element(of_all);
+  return {.cost = here / count,
+          .rows_gain = 1 - best / here,
+          .uneven_gain = 1 - best / together,
+          .most_rows_px = most_rows};
 }
 
 }  // namespace sprout::refine

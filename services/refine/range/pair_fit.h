@@ -10,6 +10,10 @@ struct PairFit {
   /// Which part of that is gone if the right image's rows are taken from a little above or below,
   /// in each block of the picture from where that is best, 0 to 1.
   double rows_gain = 0;
+  /// The same from where that is best for all blocks together: not 0 if the right camera is turned
+  /// or has another focal length, whose columns are off as well.
+  double uneven_gain = 0;
+  double most_rows_px = 0;  ///< the farthest of these best places, px
 };
 
 /// @param nodes  of that input.

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/core/parallel.h"
+#include "common/core/quantile.h"
 #include "services/refine/range/pair_fit.h"
 #include "services/refine/range/range_costs.h"
 #include "services/refine/range/range_nodes.h"
@@ -145,6 +146,16 @@ bool RangeBias::MatchesElsewhere(const RangeInput& input, std::span<const Seed> 
          RangeRules::MatchedShare(error_.contradicted_share) * static_cast<double>(contradicted);
 }
 
+// Whether the curve moves nodes farther than columns of the pair may be off.
+bool RangeBias::CurveIsBeyond(const RectifiedPair& pair, double columns_px) const {
+  if (columns_px == 0) return true;
+  std::vector<double> moves_px;
+  for (const RangeNode& node : nodes_.nodes()) {
+    moves_px.push_back(std::abs(curve_.OffsetPx(pair, node.disparity)));
+  }
+  return Median(moves_px) > RangeRules::kBeyondColumns * columns_px;
+}
+
 // Whether nothing can be estimated, since too much is wrong with the points or with the pair. Right
 // frames do not take the time.
 bool RangeBias::JudgePair(const RangeInput& input, const RangeSettings& settings,
@@ -153,8 +164,10 @@ bool RangeBias::JudgePair(const RangeInput& input, const RangeSettings& settings
   const bool doubtful = !curve_.is_zero() || field_.variance_px2() > 0 ||
                         error_.contradicted_share > RangeRules::kDoubtfulShare;
   const PairFit fit = doubtful ? PairFitAt(input, nodes_) : PairFit{};
-  const bool on_other_rows = fit.rows_gain > RangeRules::kRowsGain;
-  error_.rows_unfit = on_other_rows && !many;
+  const bool uneven = fit.uneven_gain > RangeRules::kUnevenGain;
+  const bool on_other_rows = uneven || fit.rows_gain > RangeRules::kRowsGain;
+  error_.columns_px = uneven ? fit.most_rows_px : 0;
+  error_.rows_unfit = on_other_rows && !many && CurveIsBeyond(input.rig.pair, error_.columns_px);
   error_.pair_unfit = on_other_rows;
   if (!on_other_rows && (many || fit.cost > RangeRules::kPoorCost)) {
     const std::span<const Seed> matches = settings.matches();

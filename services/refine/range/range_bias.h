@@ -31,6 +31,7 @@ struct RangeError {
   /// The images do not fit each other, so they contradict no sensor: they match nowhere, or on
   /// other rows, or each row in columns of its own.
   bool pair_unfit = false;
+  double columns_px = 0;      ///< how far columns of the pair may be off, as its rows are
   bool rows_unfit = false;    ///< on other rows, and few nodes are contradicted: the curve counts
   bool rows_shifted = false;  ///< in columns of its own, ShiftsRows()
   /// The curve is farther from 0 than a sensor's error can be, at this knot: no point is believed.
@@ -82,6 +83,7 @@ class RangeBias {
                   std::span<ProjectedPoint> points);
   bool LookAgain(const RangeInput& input);
   double JudgeNodes();
+  bool CurveIsBeyond(const RectifiedPair& pair, double columns_px) const;
   bool JudgePair(const RangeInput& input, const RangeSettings& settings,
                  std::span<const ProjectedPoint> points);
   bool MatchesElsewhere(const RangeInput& input, std::span<const Seed> matches) const;

@@ -155,6 +155,14 @@ struct RangeRules {
   /// well enough (right scans have up to 0.2).
   static constexpr int kRowMoves[] = {0, -1, 1, -2, 2, -4, 4};  // the first one: as they are
   static constexpr double kRowsGain = 0.2;
+  /// The right camera is turned, or has another focal length, if by this part more is gone with
+  /// rows of each block's own than with those that all share. Right rows have up to 0.12 (0.16 of a
+  /// lidar), rows that are off alike 0.08, a turn by 0.3 degrees and a scale of 1 % 0.2 to 0.5.
+  static constexpr double kUnevenGain = 0.17;
+  /// Then columns are off as far as rows, and the curve counts only if its median move is so many
+  /// times as large. Right ranges have up to 0.85, ranges that are 2 % long 1.7 and more if that
+  /// is over 3 px.
+  static constexpr double kBeyondColumns = 1.2;
   static constexpr int kRowBlocks = 3;
   static constexpr size_t kFewestOfFit = 50;  ///< nodes
   static constexpr size_t kMostOfFit = 400;

@@ -157,7 +157,7 @@ void StereoSeedFinder::TakeFrom(const cv::Mat1b& left, const cv::Mat1b& right, c
       best.v = static_cast<float>((v + 0.5) * scale - 0.5);
       best.u_right = best.u - static_cast<float>(surface->disparity * scale);
       best.origin = SeedOrigin::kStereo;
-      best.sigma_px = static_cast<float>(surface->sigma * scale);
+      best.sigma_px = static_cast<float>(std::hypot(surface->sigma * scale, column_error_px_));
     };
     // Mostly the pixel in the middle will do; then no other is nearer.
     const int middle = middle_of(column, columns);

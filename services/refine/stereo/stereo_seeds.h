@@ -64,6 +64,10 @@ class StereoSeedFinder {
   /// stereo_max_disparity_px the search reaches as much farther.
   void SetInfinity(int disparity_px) { infinity_px_ = disparity_px; }
 
+  /// How far columns of the pair may be off in the next calls of Find(), px: an error that all
+  /// seeds share.
+  void SetColumnError(double px) { column_error_px_ = px; }
+
   /// The largest disparity that is searched in images of this width, px.
   int MostDisparityPx(int width) const { return SettingsFor(width, columns_).max_disparity_px; }
 
@@ -84,6 +88,7 @@ class StereoSeedFinder {
   RefineConfig config_;
   int columns_ = 0;
   int infinity_px_ = 0;
+  double column_error_px_ = 0;
   StereoMatcher matcher_;
   PointSurface points_;
   cv::Mat1b uncovered_;                   // cells that want a seed
