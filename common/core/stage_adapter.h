@@ -31,8 +31,6 @@ struct StageResult {
   std::optional<std::string> finding = {};
   /// Whether no range point was believed, since the sensor cannot be right; `degenerate` says why.
   bool ranges_refused = false;
-  /// Whether range points are believed as they are beside a pair that does not fit.
-  bool ranges_alone = false;
   /// A picture of the frame for people, 8UC3 (BGR), at most 16384 px a side; empty: none. It is not
   /// a part of the frame: no stage uses it.
   cv::Mat preview = {};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <opencv2/core.hpp>
 
@@ -30,6 +31,19 @@ WindowSums SumWindows(const cv::Mat1b& left, const cv::Mat1b& right, cv::Point a
     }
   }
   return sums;
+}
+
+/// Normalised cross-correlation of these windows, −1 to 1; −1 where one has no texture.
+template <int kRadius>
+double WindowCorrelation(const cv::Mat1b& left, const cv::Mat1b& right, cv::Point at_left,
+                         cv::Point at_right) {
+  constexpr double kPixels = (2 * kRadius + 1) * (2 * kRadius + 1);
+  const WindowSums sums = SumWindows<kRadius>(left, right, at_left, at_right);
+  const double left_variance = sums.left_squares - double(sums.left) * sums.left / kPixels;
+  const double right_variance = sums.right_squares - double(sums.right) * sums.right / kPixels;
+  if (!(left_variance > 0 && right_variance > 0)) return -1;
+  return (sums.products - double(sums.left) * sums.right / kPixels) /
+         std::sqrt(left_variance * right_variance);
 }
 
 /// Whether a position lies more than the margin, px, inside the centres of an image's outermost

@@ -217,17 +217,6 @@ std::vector<std::pair<int, int>> PairUp(const std::vector<Feature>& left,
   return pairs;
 }
 
-double WindowCorrelation(const cv::Mat1b& left, const cv::Mat1b& right, cv::Point at_left,
-                         cv::Point at_right) {
-  constexpr double kPixels = (2 * FeatureRules::kRadius + 1) * (2 * FeatureRules::kRadius + 1);
-  const WindowSums sums = SumWindows<FeatureRules::kRadius>(left, right, at_left, at_right);
-  const double left_variance = sums.left_squares - double(sums.left) * sums.left / kPixels;
-  const double right_variance = sums.right_squares - double(sums.right) * sums.right / kPixels;
-  if (!(left_variance > 0 && right_variance > 0)) return -1;
-  return (sums.products - double(sums.left) * sums.right / kPixels) /
-         std::sqrt(left_variance * right_variance);
-}
-
 // Where a parabola through three values has its top, from the middle one; nothing without a top.
 std::optional<double> TopOf(double before, double middle, double behind) {
   const double curvature = 2 * middle - before - behind;
@@ -245,7 +234,8 @@ class Surroundings {
 
   double At(cv::Point off) {
     double& score = scores_[static_cast<size_t>((off.y + kReach) * kWidth + off.x + kReach)];
-    if (score == kUnknown) score = WindowCorrelation(left_, right_, at_left_, guess_ + off);
+    if (score == kUnknown)
+      score = WindowCorrelation<FeatureRules::kRadius>(left_, right_, at_left_, guess_ + off);
     return score;
   }
 

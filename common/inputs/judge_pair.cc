@@ -28,6 +28,9 @@ struct PairRules {
   /// Beyond it Sprout loses accuracy that can be measured (services/tools/calibrate/NOTES.md).
   static constexpr double kMaxRowsPx = 1;
   static constexpr double kMaxParallaxPx = 1;
+  /// Rows that are off alike move no columns, but growth claims more than it finds on them: about
+  /// as much as with columns that are off by this part, with rows 2 to 5 px off.
+  static constexpr double kEvenRows = 0.5;
   static constexpr double kSureBent = 4;  ///< standard deviations
   /// The same of columns that another scale moves; in good pairs these lie at most 0.4 px above it.
   static constexpr double kSureScale = 4;
@@ -323,6 +326,25 @@ Finding JudgeContrast(const cv::Mat1b& left, const cv::Mat1b& right, const PairM
 bool ShowOneScene(const PairModel& model) {
   return AreMany(model) &&
          static_cast<double>(model.inliers.size()) >= PairRules::kMaxOfMatches * model.tried;
+}
+
+double ColumnErrorPx(const PairModel& model, int width) {
+  if (!AreMany(model)) return 0;
+  double error_px = 0;
+  const Finding time = JudgeTime(model);
+  if (time.verdict == Verdict::kBad) error_px = time.value;
+  if (const std::optional<Estimate> columns_px = ColumnsOff(model, width)) {
+    error_px = std::max(error_px, columns_px->value);
+  }
+  const double middle_px = model.middle_px.value;
+  const double worst_px = model.worst_px.value;
+  if (std::abs(worst_px) - model.worst_px.sigma > PairRules::kMaxRowsPx) {
+    const double even_px = PairRules::kEvenRows * std::abs(middle_px);
+    error_px = std::max(error_px, std::abs(worst_px - middle_px) + even_px);
+  } else if (RowsAreBent(model)) {
+    error_px = std::max(error_px, std::abs(model.bent_px.value));
+  }
+  return error_px;
 }
 
 Findings JudgePair(const cv::Mat1b& left, const cv::Mat1b& right, const RectifiedPair& pair,

@@ -13,6 +13,10 @@ namespace sprout::inputs {
 /// Whether so many matches agree that both images show one scene.
 bool ShowOneScene(const PairModel& model);
 
+/// How far columns of a pair may be off, px, by what its rows show: what turns, scales or bends
+/// rows does so to columns. 0 where they show nothing bad.
+double ColumnErrorPx(const PairModel& model, int width);
+
 /// Findings kScene to kContrast, in their order.
 /// @param ranges  null when there is no range image.
 Findings JudgePair(const cv::Mat1b& left, const cv::Mat1b& right, const RectifiedPair& pair,

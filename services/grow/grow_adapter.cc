@@ -9,6 +9,7 @@
 #include "common/core/joined.h"
 #include "common/core/window_sums.h"
 #include "common/geometry/widened_frame.h"
+#include "services/grow/confidence/row_check.h"
 
 namespace sprout::grow {
 namespace {
@@ -126,8 +127,10 @@ GrowAdapter::Growth GrowAdapter::GrowFrom0(const Frame& frame) {
   return growth;
 }
 
+// @param doubt  what is wrong with the pair, and bounds the confidence; else empty.
 ConfidenceEstimator::Judgement GrowAdapter::Judge(const Frame& frame, const Growth& growth,
-                                                  const DisparityImage& filled) {
+                                                  const DisparityImage& filled,
+                                                  std::string& doubt) {
   // Where nothing grew the pair shows nothing; of its own seeds not even one was confirmed. Beside
   // a wrong prior growth finds what looks like it.
   const bool has_ranges = std::ranges::any_of(
@@ -139,7 +142,10 @@ ConfidenceEstimator::Judgement GrowAdapter::Judge(const Frame& frame, const Grow
   const cv::Mat1b right = ToGrey(GreyestRight(frame), right_grey_);
   const bool has_prior = frame.prior && frame.prior->sigma.size() == filled.size();
   const cv::Mat1b sigma_prior = has_prior ? frame.prior->sigma : cv::Mat1b();
-  return confidence_.Compute({left, right, growth.seeds, sigma_prior, growth.map, filled});
+  const JudgedFrame judged{left, right, growth.seeds, sigma_prior, growth.map, filled};
+  ConfidenceEstimator::Judgement judgement = confidence_.Compute(judged);
+  doubt = BoundByRows(judged, judgement);
+  return judgement;
 }
 
 StageResult GrowAdapter::Finish(const Frame& frame, const Growth& growth) {
@@ -158,7 +164,9 @@ StageResult GrowAdapter::FinishFrom0(const Frame& frame, const Growth& growth) {
       gap_filler_.Fill(growth.map, fill, frame.prior ? frame.prior->disparity : DisparityImage());
   ConfidenceEstimator::Judgement judgement;
   if (config_.publish_confidence() || config_.min_confidence() > 0) {
-    judgement = Judge(frame, growth, filled);
+    std::string doubt;
+    judgement = Judge(frame, growth, filled, doubt);
+    outcome.degenerate = JoinedTexts(outcome.degenerate, doubt);
     DropUnsure(judgement.confidence, config_.min_confidence(), filled);
   }
   outcome.outputs.push_back({Part::kDisparity, filled});

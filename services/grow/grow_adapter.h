@@ -45,7 +45,7 @@ class GrowAdapter : public StageAdapter {
   Growth GrowFrom0(const Frame& frame);
   StageResult FinishFrom0(const Frame& frame, const Growth& growth);
   ConfidenceEstimator::Judgement Judge(const Frame& frame, const Growth& growth,
-                                       const DisparityImage& filled);
+                                       const DisparityImage& filled, std::string& doubt);
 
   GrowConfig config_;
   cv::Mat1b left_grey_, right_grey_;  // memory

@@ -61,7 +61,6 @@ ChainReport Chain::RunInGrey(Frame& frame, ChainObserver& observer, ChainStep la
     report.tof_offset = outcome.tof_offset;
     report.range_error = outcome.finding;
     report.ranges_refused = outcome.ranges_refused;
-    report.ranges_alone = outcome.ranges_alone;
     add("refine", std::move(outcome));
     observer.Refined(*frame.seeds, *frame.left_seeds);
   }

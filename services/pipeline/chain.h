@@ -41,7 +41,6 @@ struct ChainReport {
   TofOffsetStatus tof_offset;              ///< see StageResult
   std::optional<std::string> range_error;  ///< StageResult::finding of refine
   bool ranges_refused = false;             ///< the same
-  bool ranges_alone = false;               ///< the same
 };
 
 /// refine, prior and grow on one frame, and with temporal.in_pipeline temporal on the frames since

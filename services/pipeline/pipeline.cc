@@ -139,7 +139,6 @@ Result<DepthFrame> Pipeline::Compute(const cv::Mat& left, const cv::Mat& right, 
   result.warnings = std::move(report.warnings);
   result.range_error = RangeErrorOf(report);
   result.ranges_refused = report.ranges_refused;
-  result.ranges_alone = report.ranges_alone;
   result.disparity = std::move(*frame.disparity);
   if (frame.fused) {
     result.fused = std::move(*frame.fused);

@@ -50,8 +50,6 @@ struct DepthFrame {
   /// do not show it.
   std::string range_error;
   bool ranges_refused = false;  ///< no range point was believed; a warning says why
-  /// Range points are believed as they are, beside a pair that does not fit; a warning says why.
-  bool ranges_alone = false;
 };
 
 /// Which frame of a video a pipeline with memory gets.

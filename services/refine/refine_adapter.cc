@@ -184,7 +184,6 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
   const RangeError& error = refiner_.found().range_error;
   outcome.degenerate = DegenerateText(refiner_.found(), *seeds, finds_stereo_seeds_);
   outcome.ranges_refused = error.Refuses() || refiner_.found().are_noise;
-  outcome.ranges_alone = error.pair_unfit && error.moved_share == 0 && !outcome.ranges_refused;
   outcome.finding = FindingText(refiner_.found());
   outcome.outputs.push_back({Part::kSeeds, *std::move(seeds)});
   outcome.outputs.push_back({Part::kLeftSeeds, refiner_.left_seeds()});

@@ -25,7 +25,7 @@
 #include "common/geometry/projection.h"
 #include "common/inputs/check_inputs.h"
 #include "common/picture/write_image.h"
-#include "services/pipeline/files/bound_confidence.h"
+#include "services/pipeline/files/believe_nothing.h"
 #include "services/pipeline/files/write_results.h"
 #include "services/pipeline/pipeline.h"
 #include "services/refine/unwrapping/range_unwrapper.h"
@@ -181,7 +181,13 @@ Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline
     Result<DepthFrame> depth =
         pipeline.Compute(frame->left, frame->right, *frame->tof, *frame->rig);
     if (!depth) return tl::unexpected(depth.error());
-    if (BoundConfidence(findings, config, *depth)) pipeline.Reset();
+    using inputs::Question;
+    if (AnyIsBad(findings, {Question::kScene, Question::kSides})) BelieveNothing(config, *depth);
+    // What does not fit its calibration is not fused with others.
+    if (AnyIsBad(findings,
+                 {Question::kScene, Question::kSides, Question::kRows, Question::kTime})) {
+      pipeline.Reset();
+    }
     const std::chrono::duration<double, std::milli> time = Clock::now() - begun;
     return Computed{*std::move(frame), *std::move(depth), time.count(), std::move(complaint)};
   } catch (const std::exception& e) {

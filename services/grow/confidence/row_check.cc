@@ -1,0 +1,193 @@
+#include "services/grow/confidence/row_check.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <vector>
+
+#include "common/core/parallel.h"
+#include "common/core/prior_map.h"
+#include "common/core/window_sums.h"
+#include "common/inputs/judge_pair.h"
+
+namespace sprout::grow {
+namespace {
+
+struct RowRules {
+  static constexpr int kColumns = 20;  ///< of parts, with one corner each
+  static constexpr int kRows = 15;
+  static constexpr int kAcross = 4;  ///< places of a part that are looked at for it
+  static constexpr int kDown = 3;
+  static constexpr int kRadius = 4;      ///< of the windows that are compared, px
+  static constexpr int kUpDown = 4;      ///< rows that are searched, px to either side
+  static constexpr int kSideways = 1;    ///< columns: a disparity that is right to 1 px is right
+  static constexpr double kMinGrey = 2;  ///< of a corner: its gradient in all directions
+  static constexpr size_t kFewest = 60;  ///< corners that say something
+  static constexpr double kSigmas = 3;   ///< see RowCheck::right_share
+  /// Corners stand beside edges, where growth errs more often than it claims: of right pairs down
+  /// to this share of what it claims is found.
+  static constexpr double kOfClaimed = 0.9;
+};
+
+constexpr int kParts = RowRules::kColumns * RowRules::kRows;
+
+// The pixels of a part, row by row.
+cv::Rect PartAt(int index, cv::Size size) {
+  const int column = index % RowRules::kColumns;
+  const int row = index / RowRules::kColumns;
+  const cv::Point from(size.width * column / RowRules::kColumns,
+                       size.height * row / RowRules::kRows);
+  const cv::Point to(size.width * (column + 1) / RowRules::kColumns,
+                     size.height * (row + 1) / RowRules::kRows);
+  return {from, to};
+}
+
+// 1 for the parts that have no range point, nor has one beside them.
+cv::Mat1b PartsWithoutRanges(std::span<const Seed> seeds, cv::Size size) {
+  cv::Mat1b ranged(RowRules::kRows, RowRules::kColumns, uint8_t{0});
+  for (const Seed& seed : seeds) {
+    if (seed.origin != SeedOrigin::kTof || !IsInside(seed.u, seed.v, size, -0.5)) continue;
+    ranged(cvFloor((seed.v + 0.5) * RowRules::kRows / size.height),
+           cvFloor((seed.u + 0.5) * RowRules::kColumns / size.width)) = 1;
+  }
+  cv::dilate(ranged, ranged, cv::Mat1b::ones(3, 3));
+  return cv::Mat1b(1 - ranged);
+}
+
+// The least mean square of the gradient over a window in any direction, grey levels² a px.
+double Cornerness(const cv::Mat1b& image, cv::Point at) {
+  constexpr int kRadius = RowRules::kRadius;
+  double across = 0, down = 0, both = 0;
+  for (int y = -kRadius; y <= kRadius; ++y) {
+    const uint8_t* const row = image[at.y + y] + at.x;
+    const uint8_t* const above = image[at.y + y - 1] + at.x;
+    const uint8_t* const below = image[at.y + y + 1] + at.x;
+    for (int x = -kRadius; x <= kRadius; ++x) {
+      const int du = row[x + 1] - row[x - 1];
+      const int dv = below[x] - above[x];
+      across += du * du;
+      down += dv * dv;
+      both += du * dv;
+    }
+  }
+  constexpr double kPixels = (2 * kRadius + 1) * (2 * kRadius + 1);
+  return (across + down - std::hypot(across - down, 2 * both)) / (2 * kPixels);
+}
+
+// Where a parabola through the best of some equidistant values and its neighbours has its top.
+double TopOf(std::span<const double> values) {
+  const auto best = static_cast<size_t>(std::ranges::max_element(values) - values.begin());
+  const auto at = static_cast<double>(best);
+  if (best == 0 || best + 1 == values.size()) return at;
+  const double bend = 2 * values[best] - values[best - 1] - values[best + 1];
+  return bend > 0 ? at + (values[best + 1] - values[best - 1]) / (2 * bend) : at;
+}
+
+// The place up and down where the right image is most like a pixel's window, as its match.
+std::optional<inputs::Match> MatchOf(const cv::Mat1b& left, const cv::Mat1b& right, cv::Point at,
+                                     int u_right) {
+  constexpr int kUpDown = RowRules::kUpDown;
+  std::array<double, 2 * kUpDown + 1> likeness;
+  for (int y = -kUpDown; y <= kUpDown; ++y) {
+    double& best = likeness[static_cast<size_t>(y + kUpDown)];
+    best = -1;
+    for (int x = -RowRules::kSideways; x <= RowRules::kSideways; ++x) {
+      best = std::max(
+          best, WindowCorrelation<RowRules::kRadius>(left, right, at, {u_right + x, at.y + y}));
+    }
+  }
+  return inputs::Match{.left = at, .right = cv::Point2d(u_right, at.y + TopOf(likeness) - kUpDown)};
+}
+
+// The strongest corner of a part that can be asked, and its match.
+std::optional<inputs::Match> AskPart(const JudgedFrame& frame, const cv::Rect& part) {
+  const DisparityImage& map = frame.filled;
+  constexpr int kMargin = RowRules::kRadius + RowRules::kUpDown + 1;
+  double best = RowRules::kMinGrey * RowRules::kMinGrey;
+  std::optional<cv::Point> corner;
+  for (int i = 0; i < RowRules::kAcross * RowRules::kDown; ++i) {
+    const cv::Point at(
+        part.x + part.width * (2 * (i % RowRules::kAcross) + 1) / (2 * RowRules::kAcross),
+        part.y + part.height * (2 * (i / RowRules::kAcross) + 1) / (2 * RowRules::kDown));
+    if (!IsInside(at.x, at.y, map.size(), kMargin) || !map.IsValid(at.x, at.y)) continue;
+    const double u_right = at.x - double{map.Px(at.x, at.y)};
+    if (!IsInside(u_right, at.y, map.size(), kMargin)) continue;
+    const double cornerness = Cornerness(frame.left, at);
+    if (cornerness <= best) continue;
+    best = cornerness;
+    corner = at;
+  }
+  if (!corner) return {};
+  return MatchOf(frame.left, frame.right, *corner,
+                 cvRound(corner->x - double{map.Px(corner->x, corner->y)}));
+}
+
+}  // namespace
+
+RowCheck CheckRows(const JudgedFrame& frame, const cv::Mat1b& confidence) {
+  const cv::Size size = frame.filled.size();
+  const cv::Mat1b unranged = PartsWithoutRanges(frame.seeds, size);
+  std::array<std::optional<inputs::Match>, kParts> asked;
+  ForEachParallel(asked.size(), [&](size_t i) {
+    const auto part = static_cast<int>(i);
+    if (unranged.data[i] != 0) asked[i] = AskPart(frame, PartAt(part, size));
+  });
+  inputs::Matches matches;
+  matches.most_rows_px = RowRules::kUpDown;
+  RowCheck check;
+  for (const std::optional<inputs::Match>& match : asked) {
+    if (!match) continue;
+    matches.matches.push_back(*match);
+    check.claimed += confidence(cv::Point(match->left)) / 255.0;
+  }
+  const auto count = static_cast<double>(matches.matches.size());
+  if (matches.matches.size() < RowRules::kFewest) return {};
+  check.claimed /= count;
+  const inputs::PairModel model = inputs::FitPair(matches, size);
+  // Wrong ones agree by chance.
+  const double by_chance = model.by_chance.value / count;
+  const double share = static_cast<double>(model.inliers.size()) / count;
+  const double sigma = std::sqrt(share * (1 - share) / count);
+  check.right_share =
+      std::clamp((share + RowRules::kSigmas * sigma - by_chance) / (1 - by_chance), 0.0, 1.0);
+  check.columns_px = inputs::ColumnErrorPx(model, size.width);
+  return check;
+}
+
+std::string BoundByRows(const JudgedFrame& frame, ConfidenceEstimator::Judgement& judgement) {
+  const RowCheck check = CheckRows(frame, judgement.confidence);
+  const double most = RowRules::kOfClaimed * check.claimed;
+  const double columns_px = std::max(1.0, check.columns_px);
+  if (check.right_share >= most && columns_px == 1) return {};
+  const double factor = std::min(1.0, check.right_share / std::max(most, 1e-9)) / columns_px;
+  cv::Mat1b confidences(1, 256), sigmas(1, 256);
+  for (int i = 0; i < 256; ++i) {
+    const auto counts = static_cast<uint8_t>(i);
+    const double sigma_px = std::hypot(SigmaToPx(counts), columns_px / std::numbers::sqrt3);
+    confidences(i) = static_cast<uint8_t>(factor * counts);
+    sigmas(i) = counts == kMaxSigmaCounts || columns_px == 1 ? counts : SigmaToCounts(sigma_px);
+  }
+  const cv::Size size = frame.filled.size();
+  const cv::Mat1b unranged = PartsWithoutRanges(frame.seeds, size);
+  for (int i = 0; i < kParts; ++i) {
+    if (unranged.data[i] == 0) continue;
+    cv::Mat1b confidence = judgement.confidence(PartAt(i, size));
+    cv::Mat1b sigma = judgement.sigma(PartAt(i, size));
+    cv::LUT(confidence, confidences, confidence);
+    cv::LUT(sigma, sigmas, sigma);
+  }
+  if (columns_px > 1) {
+    return cv::format("rows of the images do not fit, so columns may be off by %.1f px, too",
+                      columns_px);
+  }
+  return cv::format(
+      "of the matches away from ranges at most %.0f %% are on the row where they fit best, %.0f %% "
+      "are claimed",
+      100 * check.right_share, 100 * check.claimed);
+}
+
+}  // namespace sprout::grow

@@ -1,0 +1,123 @@
+#include "services/grow/confidence/row_check.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "common/core/prior_map.h"
+
+namespace sprout::grow {
+namespace {
+
+const cv::Size kSize(480, 360);
+constexpr int kDisparity = 20;
+
+cv::Mat1b Texture(int seed) {
+  cv::Mat1b image(kSize);
+  cv::RNG(static_cast<uint64_t>(seed)).fill(image, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(image, image, {}, 1.5);
+  cv::normalize(image, image, 0, 255, cv::NORM_MINMAX);
+  return image;
+}
+
+// A wall whose map is right, and claims so.
+struct Wall {
+  cv::Mat1b left = Texture(1);
+  cv::Mat1b right{kSize};
+  DisparityImage map{cv::Mat1s(kSize, ToCounts(kDisparity))};
+  std::vector<Seed> seeds;
+  cv::Mat1b sigma_prior;
+
+  Wall() { Turn(0, 1); }
+  // Another right camera.
+  void Turn(double degrees, double scale, double rows = 0) {
+    cv::Mat1d moved = cv::getRotationMatrix2D(cv::Point2f(kSize) / 2, degrees, scale);
+    moved(0, 2) -= kDisparity;
+    moved(1, 2) += rows;
+    cv::warpAffine(left, right, moved, kSize, cv::INTER_LINEAR, cv::BORDER_REFLECT);
+  }
+  ConfidenceEstimator::Judgement Claimed() const {
+    return {cv::Mat1b(kSize, uint8_t{200}), cv::Mat1b(kSize, uint8_t{4})};
+  }
+  JudgedFrame Frame() const { return {left, right, seeds, sigma_prior, map, map}; }
+  RowCheck Check() const { return CheckRows(Frame(), Claimed().confidence); }
+};
+
+TEST(RowCheck, SaysNothingOfAMapThatIsRight) {
+  const Wall wall;
+  EXPECT_EQ(wall.Check().columns_px, 0);
+  EXPECT_GT(wall.Check().right_share, 0.99);
+  EXPECT_NEAR(wall.Check().claimed, 200 / 255.0, 1e-6);
+  auto judged = wall.Claimed();
+  EXPECT_EQ(BoundByRows(wall.Frame(), judged), "");
+  EXPECT_EQ(cv::countNonZero(judged.confidence == 200), kSize.area());
+}
+
+TEST(RowCheck, FindsColumnsThatAreOffAsRowsAre) {
+  Wall wall;
+  wall.Turn(0.8, 1);  // rows by 0.014 of 180 px in the outermost of 4×3 cells
+  EXPECT_NEAR(wall.Check().columns_px, 2.5, 0.3);
+  wall.Turn(0, 1.012);  // columns by 0.012 of these
+  EXPECT_NEAR(wall.Check().columns_px, 2.2, 0.3);
+  wall.Turn(0, 1, 3);  // no columns, but growth on wrong rows
+  EXPECT_NEAR(wall.Check().columns_px, 1.5, 0.2);
+  wall.Turn(0.1, 1);
+  EXPECT_EQ(wall.Check().columns_px, 0);
+}
+
+TEST(RowCheck, BoundsConfidenceByThem) {
+  Wall wall;
+  wall.Turn(0, 1, 4);
+  const double columns_px = wall.Check().columns_px;
+  auto judged = wall.Claimed();
+  EXPECT_THAT(BoundByRows(wall.Frame(), judged), testing::HasSubstr("may be off by 2.0 px"));
+  EXPECT_EQ(judged.confidence(100, 100), static_cast<int>(200 / columns_px));
+  EXPECT_EQ(judged.sigma(100, 100), SigmaToCounts(std::hypot(0.25, columns_px / std::sqrt(3))));
+}
+
+// Half of the map is 7 px off.
+TEST(RowCheck, FindsTheShareThatIsRight) {
+  Wall wall;
+  wall.map.counts().colRange(0, kSize.width / 2) = ToCounts(kDisparity + 7);
+  const RowCheck check = wall.Check();
+  EXPECT_NEAR(check.right_share, 0.5 + 3 * 0.5 / std::sqrt(280) / 0.6, 0.12);
+  auto judged = wall.Claimed();
+  EXPECT_THAT(BoundByRows(wall.Frame(), judged), testing::HasSubstr("78 % are claimed"));
+  EXPECT_NEAR(judged.confidence(100, 300), 255 * check.right_share / 0.9, 2);
+  EXPECT_EQ(judged.sigma(100, 300), 4);
+}
+
+TEST(RowCheck, BelievesNothingOfAnotherScene) {
+  Wall wall;
+  wall.right = Texture(2);
+  auto judged = wall.Claimed();
+  BoundByRows(wall.Frame(), judged);
+  EXPECT_LT(judged.confidence(100, 100), 0.25 * 255);
+}
+
+TEST(RowCheck, LeavesWhatRangesShow) {
+  Wall wall;
+  wall.right = Texture(2);
+  for (int v = 0; v < kSize.height; v += 10) {
+    for (int u = kSize.width / 2; u < kSize.width; u += 10) {
+      const auto column = static_cast<float>(u);
+      wall.seeds.push_back({.u = column, .v = static_cast<float>(v), .u_right = column - 20});
+    }
+  }
+  auto judged = wall.Claimed();
+  EXPECT_NE(BoundByRows(wall.Frame(), judged), "");
+  EXPECT_LT(judged.confidence(100, 100), 0.25 * 255);
+  EXPECT_EQ(judged.confidence(100, 300), 200);
+}
+
+TEST(RowCheck, SaysNothingWithoutTexture) {
+  Wall wall;
+  wall.left = uint8_t{128};
+  wall.right = uint8_t{128};
+  auto judged = wall.Claimed();
+  EXPECT_EQ(BoundByRows(wall.Frame(), judged), "");
+}
+
+}  // namespace
+}  // namespace sprout::grow
