@@ -23,11 +23,11 @@ struct RowRules {
   static constexpr int kAcross = 4;  ///< places of a part that are looked at for it
   static constexpr int kDown = 3;
   static constexpr int kRadius = 4;      ///< of the windows that are compared, px
-  static constexpr int kUpDown = 4;      ///< rows that are searched, px to either side
+  static constexpr int kUpDown = 8;      ///< rows that are searched, px to either side
   static constexpr int kSideways = 1;    ///< columns: a disparity that is right to 1 px is right
   static constexpr double kMinGrey = 2;  ///< of a corner: its gradient in all directions
   static constexpr size_t kFewest = 60;  ///< corners that say something
-  static constexpr double kSigmas = 3;   ///< see RowCheck::right_share
+  static constexpr double kSigmas = 2;   ///< see RowCheck::right_share
   /// Corners stand beside edges, where growth errs more often than it claims: of right pairs down
   /// to this share of what it claims is found.
   static constexpr double kOfClaimed = 0.9;
@@ -148,9 +148,14 @@ RowCheck CheckRows(const JudgedFrame& frame, const cv::Mat1b& confidence) {
   if (matches.matches.size() < RowRules::kFewest) return {};
   check.claimed /= count;
   const inputs::PairModel model = inputs::FitPair(matches, size);
-  // Wrong ones agree by chance.
+  // Wrong ones agree by chance; of another scene no rows are better than the own ones.
   const double by_chance = model.by_chance.value / count;
-  const double share = static_cast<double>(model.inliers.size()) / count;
+  const auto agree = inputs::ShowOneScene(model)
+                         ? std::ssize(model.inliers)
+                         : std::ranges::count_if(matches.matches, [&](const inputs::Match& match) {
+                             return std::abs(match.rows()) <= by_chance * RowRules::kUpDown;
+                           });
+  const double share = static_cast<double>(agree) / count;
   const double sigma = std::sqrt(share * (1 - share) / count);
   check.right_share =
       std::clamp((share + RowRules::kSigmas * sigma - by_chance) / (1 - by_chance), 0.0, 1.0);

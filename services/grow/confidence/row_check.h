@@ -11,7 +11,7 @@ namespace sprout::grow {
 /// place up and down where a match fits best is evidence that it has not used: on its own row if
 /// the match is right, on any if not, and on other rows throughout if the pair is not rectified.
 struct RowCheck {
-  /// Share of the matches that are right, 0 to 1, with three standard deviations more than was
+  /// Share of the matches that are right, 0 to 1, with two standard deviations more than was
   /// found; 1 where too few can be asked.
   double right_share = 1;
   double claimed = 0;     ///< mean of the confidence at the same places, 0 to 1
