@@ -185,59 +185,6 @@ TEST_F(BatchSystem, ALogWithoutACompleteFrameIsListedAndIsNoFailure) {
   EXPECT_EQ(RunProgramOf(command_).exit_code, 2);
 }
 
-TEST_F(BatchSystem, ATruthSaysWhichOfTheTwoIsNearerToIt) {
-  WriteStraddlingLog(logs_ / "run.lcm", "320x240", 0, 12);
-  ASSERT_EQ(RunProgramOf(command_).exit_code, 0);
-  // A's own maps are the truth, so A has no error; of frame 3 none is known.
-  const fs::path truth = folder_ / "truth";
-  fs::create_directory(truth);
-  const Outcome exported =
-      RunProgramOf({"sprout-log", "export", "--pfm", out_ / "logs" / "run_a.lcm", truth / "run"});
-  ASSERT_EQ(exported.exit_code, 0) << exported.output;
-  ASSERT_TRUE(fs::remove(truth / "run" / "000003_disparity.pfm"));
-  std::ofstream(folder_ / "b.textproto") << "grow { sigma_p_px: 9.0 fill: NONE }\n";
-  command_.insert(command_.end(),
-                  {"--config-b", "fast", "--config-b", folder_ / "b.textproto", "--truth", truth});
-  const Outcome compared = RunProgramOf(command_);
-  ASSERT_EQ(compared.exit_code, 0) << compared.output;
-  const std::vector<double> a = ColumnOf(out_, "a_bad1");
-  const std::vector<double> b = ColumnOf(out_, "b_bad1");
-  ASSERT_EQ(a.size(), 11U);  // frame 5 is incomplete
-  for (size_t i = 0; i < a.size(); ++i) {
-    if (i == 3) {
-      EXPECT_TRUE(std::isnan(a[i]) && std::isnan(b[i]));
-    } else {
-      EXPECT_EQ(a[i], 0);
-      EXPECT_GT(b[i], 0);
-    }
-  }
-  EXPECT_THAT(Report(), HasSubstr("against the truth"));
-  command_.back() = truth / "run";
-  EXPECT_THAT(OutputOf(command_, 1),
-              HasSubstr("of none of the frames; allowed: " +
-                        (truth / "run" / "run" / "000000_disparity.pfm").string()));
-  command_.back() = folder_ / "none";
-  EXPECT_EQ(RunProgramOf(command_).exit_code, 2);
-}
-
-TEST_F(BatchSystem, FramesAreComparedWithoutBeingMeasured) {
-  WriteStraddlingLog(logs_ / "run.lcm", "160x120", 0, 5);
-  std::ofstream(folder_ / "b.textproto") << "grow { sigma_p_px: 9.0 }\n";
-  command_.insert(command_.end(), {"--config-b", "fast", "--config-b", folder_ / "b.textproto"});
-  ASSERT_EQ(RunProgramOf(command_).exit_code, 0);
-  const auto moved = ColumnOf(out_, "moved");
-  EXPECT_EQ(moved.size(), 5U);
-  EXPECT_FALSE(std::isnan(ColumnOf(out_, "a_score").at(0)));
-  command_.emplace_back("--no-measures");
-  const Outcome outcome = RunProgramOf(command_);
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-  EXPECT_EQ(ColumnOf(out_, "moved"), moved);
-  for (const double score : ColumnOf(out_, "a_score")) EXPECT_TRUE(std::isnan(score));
-  const std::string report = Report();
-  EXPECT_THAT(report, HasSubstr("The most changed frames"));
-  EXPECT_THAT(report, testing::Not(HasSubstr("The worst frames")));
-}
-
 TEST_F(BatchSystem, AnotherBuildIsComparedAndItsFailuresAreReported) {
   WriteStraddlingLog(logs_ / "run.lcm", "320x240", 0, 16);
   command_.insert(command_.end(), {"--programs-b", folder_ / "bin"});

@@ -82,7 +82,7 @@ Table MeasureAnswers(const Manifest& manifest, const SproutConfig& config,
     });
     if (is_needed) frames.Add(logs[static_cast<size_t>(i) + 1], outputs);
   }
-  return MeasureFrames(frames, answer, manifest.measured());
+  return MeasureFrames(frames, answer);
 }
 
 // Whether no frame of the log has all that the first stage needs; then counts why. Reads the whole
@@ -237,18 +237,16 @@ class LogTask {
   void CompareVariants() const {
     const fs::path path = folder_.comparison(manifest_, number_);
     if (IsWhole(path, ResultCheck::kQuick)) return;
-    std::vector<std::unique_ptr<FrameLookup>> answers;
-    for (int i = 0; i < manifest_.variant_size(); ++i) {
-      answers.push_back(std::make_unique<FrameLookup>(manifest_.channel_prefix()));
-      const fs::path log = ResultOf(i) / kAnswers;
-      if (fs::exists(log)) answers.back()->Add(log);
-    }
-    const fs::path truth =
-        manifest_.truth().empty() ? fs::path() : fs::path(manifest_.truth()) / log_.name();
+    const auto answers = [&](int variant) {
+      FrameLookup lookup(manifest_.channel_prefix());
+      const fs::path log = ResultOf(variant) / kAnswers;
+      if (fs::exists(log)) lookup.Add(log);
+      return lookup;
+    };
+    FrameLookup a = answers(0);
+    FrameLookup b = answers(1);
     ResultFolder result(path);
-    WriteTable(result / kChanges,
-               CompareFrames(*answers[0], answers.size() > 1 ? answers[1].get() : nullptr,
-                             AnswerOf(*manifest_.stage().rbegin()), truth));
+    WriteTable(result / kChanges, CompareFrames(a, b, AnswerOf(*manifest_.stage().rbegin())));
     result.Commit();
   }
 

@@ -3,9 +3,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
@@ -98,21 +96,6 @@ void SayTaskOutput(const BatchFolder& folder, std::ostream& out) {
   if (!said.empty()) out << "Slurm's tasks ended with " << said << "\n";
 }
 
-// False, and a line, where a truth was given that is of no frame.
-bool CheckTruth(const Manifest& manifest, const FrameTable& frames) {
-  if (manifest.truth().empty() || frames.size() == 0) return true;
-  for (const std::string column : {"a_bad1", "b_bad1"}) {
-    if (!std::ranges::all_of(frames.Column(column), [](float x) { return std::isnan(x); })) {
-      return true;
-    }
-  }
-  std::cerr << fmt::format(
-      "sprout-batch: --truth {}: of none of the frames; allowed: {}/{}/{:06}_disparity.pfm and so "
-      "on\n",
-      manifest.truth(), manifest.truth(), manifest.log(frames.LogOf(0)).name(), frames.SeqOf(0));
-  return false;
-}
-
 // Writes table and report.
 int Finish(const BatchFolder& folder, const Manifest& manifest, const BatchState& state) {
   const FrameTable frames(folder, manifest, state);
@@ -128,9 +111,8 @@ int Finish(const BatchFolder& folder, const Manifest& manifest, const BatchState
     std::cerr << "sprout-batch: no frame was answered in these logs; see sprout-log info, "
                  "--channel-prefix and --stages\n";
   }
-  const bool is_true = CheckTruth(manifest, frames);
   const bool is_whole = state.missing == 0 && frames.size() > 0 && manifest.left_out().empty();
-  return is_whole && is_true ? 0 : 1;
+  return is_whole ? 0 : 1;
 }
 
 int RunRun(Options& options) {
@@ -264,10 +246,6 @@ void AddRun(Flags& program, Options& options) {
       .Repeatable();
   flags.Add("--programs-b", request.programs_b,
             "Folder of B's programs, to compare with another build; A's are beside sprout-batch");
-  flags.Add("--truth", request.truth,
-            "Folder with LOGNAME/NNNNNN_disparity.pfm, true disparities of frames");
-  flags.Add("--no-measures", request.no_measures,
-            "Do not measure the frames: no score and no other figures of quality in the table");
   flags.Add("--channel-prefix", request.prefix, "Prefix of every channel of the logs");
   Flag engine = flags.Add("--engine", options.engine, "Where to compute");
   engine.OneOf({"local", "slurm"}).ShowDefault();

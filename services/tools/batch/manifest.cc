@@ -108,9 +108,9 @@ void RequireValid(const Manifest& manifest) {
 
 std::string ResultKey(const Manifest& manifest, int log, int variant) {
   std::string text =
-      fmt::format("result {} {} {} {} {} {} {}", kManifestFormat, manifest.log(log).digest(),
+      fmt::format("result {} {} {} {} {} {}", kManifestFormat, manifest.log(log).digest(),
                   manifest.variant(variant).config_digest(), fmt::join(manifest.keep(), ","),
-                  manifest.channel_prefix(), manifest.tables(), manifest.measured());
+                  manifest.channel_prefix(), manifest.tables());
   for (int i = 0; i < manifest.stage_size(); ++i) {
     text += fmt::format(" {} {}", manifest.stage(i), manifest.variant(variant).program(i).digest());
   }
@@ -149,25 +149,8 @@ fs::path BatchFolder::result(const Manifest& manifest, int log, int variant) con
   return Grouped(root_ / "results", ResultKey(manifest, log, variant));
 }
 
-// Names, sizes and times of the files of ground truth, which change when it is replaced.
-std::string TruthText(const fs::path& folder) {
-  std::set<std::string> files;
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
-       entry.increment(error)) {
-    std::error_code gone;
-    files.insert(fmt::format(" {} {} {}", entry->path().filename().string(), entry->file_size(gone),
-                             entry->last_write_time(gone).time_since_epoch().count()));
-  }
-  return fmt::format("{}", fmt::join(files, ""));
-}
-
 fs::path BatchFolder::comparison(const Manifest& manifest, int log) const {
-  std::string text = fmt::format("comparison {} {}", kManifestFormat, manifest.truth());
-  if (!manifest.truth().empty()) {
-    text += " " + manifest.log(log).name() +
-            TruthText(fs::path(manifest.truth()) / manifest.log(log).name());
-  }
+  std::string text = fmt::format("comparison {}", kManifestFormat);
   for (int i = 0; i < manifest.variant_size(); ++i) text += " " + ResultKey(manifest, log, i);
   return Grouped(root_ / "comparisons", Digest(text));
 }
@@ -175,7 +158,7 @@ fs::path BatchFolder::comparison(const Manifest& manifest, int log) const {
 bool Compares(const Manifest& manifest) {
   const Part answer = AnswerOf(*manifest.stage().rbegin());
   const bool is_map = answer == Part::kDisparity || answer == Part::kFused;
-  return is_map && (manifest.variant_size() > 1 || !manifest.truth().empty());
+  return is_map && manifest.variant_size() > 1;
 }
 
 Manifest ReadManifest(const fs::path& path) {

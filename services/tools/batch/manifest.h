@@ -39,7 +39,7 @@ class BatchFolder {
   /// and the configuration: equal names have equal results, also those of other batches.
   std::filesystem::path result(const Manifest& manifest, int log, int variant) const;
 
-  /// Folder with the table of differences between the variants, or from the truth.
+  /// Folder with the table of differences between the variants.
   std::filesystem::path comparison(const Manifest& manifest, int log) const;
 
  private:
@@ -49,7 +49,7 @@ class BatchFolder {
 /// "a" or "b", in names of files and columns.
 inline std::string VariantName(int variant) { return variant == 0 ? "a" : "b"; }
 
-/// Whether there is something to compare: disparity maps of two variants, or of one with a truth.
+/// Whether there is something to compare: disparity maps of two variants.
 bool Compares(const Manifest& manifest);
 
 /// Reads a manifest, which may come from anywhere: every field is checked.

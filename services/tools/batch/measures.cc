@@ -10,8 +10,6 @@
 #include "common/logfile/log_error.h"
 #include "common/logfile/log_reader.h"
 #include "common/measure/frame_quality.h"
-#include "common/measure/score.h"
-#include "common/scenes/pfm.h"
 
 namespace sprout::batch {
 namespace {
@@ -25,12 +23,11 @@ std::vector<Cell> RowStart(const FrameId& id, std::optional<int64_t> left_at = {
 }
 
 // The frames that any of the two has, those of A in their order first.
-std::vector<FrameId> AllFrames(const FrameLookup& a, const FrameLookup* b, Part map) {
+std::vector<FrameId> AllFrames(const FrameLookup& a, const FrameLookup& b, Part map) {
   std::vector<FrameId> frames = a.FramesWith(map);
-  if (b == nullptr) return frames;
   std::set<std::pair<int64_t, int64_t>> seen;
   for (const FrameId& id : frames) seen.emplace(id.utime, id.seq);
-  for (const FrameId& id : b->FramesWith(map)) {
+  for (const FrameId& id : b.FramesWith(map)) {
     if (!seen.contains({id.utime, id.seq})) frames.push_back(id);
   }
   return frames;
@@ -41,7 +38,7 @@ std::optional<DisparityImage> MapOf(FrameLookup& frames, const FrameId& id, Part
   return map == Part::kFused ? frame.fused : frame.disparity;
 }
 
-// The cells for the first columns of ComparisonColumns().
+// The cells for ComparisonColumns().
 std::vector<Cell> CellsOf(const DisparityDiff& diff) {
   const auto share = [&](int64_t count) {
     return static_cast<double>(count) / static_cast<double>(diff.pixels);
@@ -49,17 +46,6 @@ std::vector<Cell> CellsOf(const DisparityDiff& diff) {
   const int64_t in_one = diff.newly_valid + diff.newly_invalid;
   return {share(diff.differing), share(diff.moved + in_one), diff.mean_px(),
           diff.max_px,           share(diff.newly_valid),    share(diff.newly_invalid)};
-}
-
-// Share of the pixels with a true disparity where the map is off by more than 1 px or has none.
-// @throws LogError when the truth has another size than the map.
-Cell BadShare(const std::optional<DisparityImage>& map, const cv::Mat1f& truth_px,
-              const std::filesystem::path& file) {
-  if (!map || map->empty()) return std::nullopt;
-  const Result<Accuracy> accuracy = Score(*map, truth_px, cv::Mat1b(truth_px.size(), uchar{255}));
-  if (!accuracy) throw LogError(file, accuracy.error().text);
-  if (accuracy->scored == 0) return std::nullopt;
-  return 1 - accuracy->correct_le1_percent() / 100;
 }
 
 }  // namespace
@@ -110,8 +96,7 @@ std::vector<std::string> MeasureColumns() {
 }
 
 std::vector<std::string> ComparisonColumns() {
-  return {"changed",  "moved",    "mean_change_px", "max_change_px",
-          "appeared", "vanished", "a_bad1",         "b_bad1"};
+  return {"changed", "moved", "mean_change_px", "max_change_px", "appeared", "vanished"};
 }
 
 const PartSet& MeasuredParts() {
@@ -121,14 +106,10 @@ const PartSet& MeasuredParts() {
   return kParts;
 }
 
-Table MeasureFrames(FrameLookup& frames, Part answer, bool measure) {
+Table MeasureFrames(FrameLookup& frames, Part answer) {
   Table table = Table::Of(MeasureColumns());
   for (const FrameId& id : frames.FramesWith(answer)) {
     std::vector<Cell>& row = table.rows.emplace_back(RowStart(id, frames.PlaceOf(id, Part::kLeft)));
-    if (!measure) {
-      row.resize(table.columns.size());
-      continue;
-    }
     Frame frame = frames.Get(id, MeasuredParts());
     if (answer == Part::kFused) {
       frame.disparity = std::move(frame.fused);
@@ -140,22 +121,16 @@ Table MeasureFrames(FrameLookup& frames, Part answer, bool measure) {
   return table;
 }
 
-Table CompareFrames(FrameLookup& a, FrameLookup* b, Part map, const std::filesystem::path& truth) {
+Table CompareFrames(FrameLookup& a, FrameLookup& b, Part map) {
   Table table = Table::Of(ComparisonColumns());
   for (const FrameId& id : AllFrames(a, b, map)) {
     const std::optional<DisparityImage> map_a = MapOf(a, id, map);
-    const std::optional<DisparityImage> map_b = b == nullptr ? std::nullopt : MapOf(*b, id, map);
+    const std::optional<DisparityImage> map_b = MapOf(b, id, map);
     std::vector<Cell>& row = table.rows.emplace_back(RowStart(id));
     row.resize(table.columns.size());
     if (map_a && map_b && !map_a->empty() && map_a->size() == map_b->size()) {
       std::ranges::copy(CellsOf(Compare(*map_a, *map_b)), row.begin() + kFrameCells);
     }
-    if (truth.empty()) continue;
-    const auto file = truth / fmt::format("{:06}_disparity.pfm", id.seq);
-    if (!std::filesystem::exists(file)) continue;
-    const cv::Mat1f truth_px = scenes::ReadPfm(file);
-    row[row.size() - 2] = BadShare(map_a, truth_px, file);
-    row[row.size() - 1] = BadShare(map_b, truth_px, file);
   }
   return table;
 }

@@ -86,15 +86,7 @@ Manifest SettingsOf(const BatchRequest& request, const std::string& program) {
                                   Printable(request.prefix), AllowedChannelPrefix()));
   }
   manifest.set_channel_prefix(request.prefix);
-  manifest.set_measured(!request.no_measures);
   manifest.set_tables(FileDigest(program));
-  if (request.truth.empty()) return manifest;
-  std::error_code ignored;
-  if (!fs::is_directory(request.truth, ignored)) {
-    throw ConfigError(
-        fmt::format("--truth {}: no such folder{}", request.truth, WhyClosed(request.truth)));
-  }
-  manifest.set_truth(Absolute(request.truth));
   return manifest;
 }
 
@@ -223,7 +215,6 @@ Manifest Plan(const BatchRequest& request, const std::string& program) {
   const BatchFolder folder(Absolute(request.out));
   RequirePlainText("--out", request.out);  // these go into the manifest
   RequirePlainText("--programs-b", request.programs_b);
-  RequirePlainText("--truth", request.truth);
   const FoundLogs found = FindLogs(request.inputs);
   Manifest manifest = SettingsOf(request, program);
   manifest.mutable_left_out()->Assign(found.left_out.begin(), found.left_out.end());

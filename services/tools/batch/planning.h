@@ -19,8 +19,6 @@ struct BatchRequest {
   std::vector<std::string> config_a;  ///< as --config of the services
   std::vector<std::string> config_b;  ///< empty: that of A, if there is a B
   std::string programs_b;             ///< empty: those of A, if there is a B
-  std::string truth;
-  bool no_measures = false;  ///< the quality of frames is not measured
   std::string prefix;
 };
 

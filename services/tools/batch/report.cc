@@ -168,10 +168,6 @@ std::string InWords(const std::string& column, double value) {
   if (column == "moved") {
     return fmt::format("{:.2f} % of the pixels move by more than 1 px", 100 * value);
   }
-  if (column.ends_with("bad1")) {
-    return fmt::format("{:.2f} % of the true pixels are off by more than 1 px or missing",
-                       100 * value);
-  }
   return fmt::format("score {:.3f}", value);
 }
 
@@ -187,10 +183,7 @@ void WriteReport(const BatchFolder& folder, const Manifest& manifest, const Batc
           LogsHtml(manifest, frames);
   ReportFrames shown(folder, manifest, frames, fs::path(program).parent_path());
   if (has_b) html += shown.Html("The most changed frames", "moved", /*lowest=*/false);
-  const std::string last = has_b ? "b_" : "a_";
-  const bool has_truth = !std::isnan(MeanOf(frames.Column(last + "bad1")));
-  html += has_truth ? shown.Html("The worst frames, against the truth", last + "bad1", false)
-                    : shown.Html("The worst frames", last + "score", true);
+  html += shown.Html("The worst frames", has_b ? "b_score" : "a_score", /*lowest=*/true);
   html +=
       "<h2>Files</h2>\n<p><a href=\"frames.csv\">frames.csv</a>: a row a frame, with all figures. "
       "logs/NAME_a.lcm, NAME_b.lcm: the answers. manifest.textproto: logs, programs, "

@@ -118,9 +118,6 @@ bool MoreIsBetter(const std::string& measure) {
 }
 
 std::string MeaningOf(const std::string& measure) {
-  if (measure == "bad1") {
-    return "share of pixels with ground truth that are off by more than 1 px or have no disparity";
-  }
   if (measure.ends_with("_ms")) {
     return "time a frame, mean of its log; depends on what else the machine did";
   }
@@ -199,7 +196,6 @@ std::string LossesHtml(const BatchFolder& folder, const Manifest& manifest,
 
 std::vector<std::string> ShownMeasures(const Manifest& manifest) {
   std::vector<std::string> measures = MeasureColumns();
-  measures.emplace_back("bad1");
   for (const std::string& stage : manifest.stage()) measures.push_back(stage + "_ms");
   return measures;
 }

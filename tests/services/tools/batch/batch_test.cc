@@ -6,7 +6,6 @@
 #include "common/logfile/log_error.h"
 #include "common/logfile/log_writer.h"
 #include "common/messages/codec.h"
-#include "common/picture/write_image.h"
 #include "services/tools/batch/log_task.h"
 #include "services/tools/batch/measures.h"
 #include "services/tools/batch/planning.h"
@@ -55,62 +54,10 @@ TEST(Tables, SayHowFarMapsDiffer) {
   b.counts()(0, 2) = DisparityImage::kInvalid;  // gone
   b.counts()(0, 3) = 320 + 32;                  // one, which is not more than one
   const Table table =
-      CompareFrames(*Answers(folder / "a", a), Answers(folder / "b", b).get(), Part::kDisparity,
-                    /*truth=*/"");
+      CompareFrames(*Answers(folder / "a", a), *Answers(folder / "b", b), Part::kDisparity);
   ASSERT_THAT(table.rows, SizeIs(1));
   EXPECT_THAT(table.rows[0], testing::ElementsAre(7, log::LogFrameId(7).utime, std::nullopt, 0.4,
-                                                  0.2, 1.5, 3, 0, 0.1, std::nullopt, std::nullopt));
-}
-
-TEST(Tables, AMissingDisparityIsWrongWhereTheTruthIsKnown) {
-  const TemporaryDirectory folder;
-  DisparityImage map(cv::Size(4, 1));
-  map.counts()(0, 0) = 320;
-  map.counts()(0, 1) = 320;
-  DisparityImage truth(cv::Size(4, 1));
-  truth.counts()(0, 0) = 336;  // 10.5 px
-  truth.counts()(0, 1) = 384;  // 12
-  truth.counts()(0, 2) = 320;  // the map has none; and of the last none is known
-  const auto bad_share = [&] {
-    EXPECT_TRUE(WritePfm(folder / "000007_disparity.pfm", truth));
-    return CompareFrames(*Answers(folder / "a", map), nullptr, Part::kDisparity, folder / "")
-        .rows.at(0)
-        .at(9);
-  };
-  EXPECT_NEAR(bad_share().value(), 2.0 / 3, 1e-12);
-  truth.counts().setTo(DisparityImage::kInvalid);
-  EXPECT_EQ(bad_share(), std::nullopt);
-}
-
-TEST(Tables, SayWhatIsWrongWithTheTruth) {
-  const TemporaryDirectory folder;
-  const std::string file = folder / "000007_disparity.pfm";
-  DisparityImage map(cv::Size(4, 1));
-  map.counts().setTo(320);
-  const auto compare = [&] {
-    return CompareFrames(*Answers(folder / "a", map), nullptr, Part::kDisparity, folder / "")
-        .rows.at(0)
-        .at(9);
-  };
-  // Middlebury's scale is for viewers: values are px all the same.
-  std::ofstream(file, std::ios::binary) << "Pf\n4 1\n-0.003922\n" << std::string(16, '\0');
-  EXPECT_EQ(compare(), 1.0) << "0 px";
-  std::ofstream(file, std::ios::binary) << "Pf\n4 1\n-1\n" << std::string(15, '\0');
-  EXPECT_THROW(compare(), ConfigError) << "torn";
-  std::ofstream(file, std::ios::binary) << "Pf\n3 1\n-1\n" << std::string(12, '\0');
-  EXPECT_THROW(compare(), LogError) << "of another size";
-}
-
-TEST(Tables, HaveARowForEachFrameThatIsNotMeasured) {
-  const TemporaryDirectory folder;
-  const auto lookup = Answers(folder / "a", DisparityImage(cv::Size(4, 1)));
-  const Table table = MeasureFrames(*lookup, Part::kDisparity, /*measure=*/false);
-  EXPECT_EQ(table.columns, MeasureFrames(*lookup, Part::kDisparity, true).columns);
-  ASSERT_THAT(table.rows, SizeIs(1));
-  std::vector<Cell> row(table.columns.size());
-  row[0] = 7;
-  row[1] = static_cast<double>(log::LogFrameId(7).utime);
-  EXPECT_EQ(table.rows[0], row);
+                                                  0.2, 1.5, 3, 0, 0.1));
 }
 
 TEST(StageRuns, AreWhatAReplayReports) {

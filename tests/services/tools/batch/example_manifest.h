@@ -16,7 +16,6 @@ inline Manifest ExampleManifest() {
     manifest.add_keep(stage);
   }
   manifest.set_channel_prefix("");
-  manifest.set_measured(true);
   manifest.set_tables(Digest("tables"));
   manifest.add_left_out("z\\xff.lcm");
   for (const char* name : {"a", "b"}) {

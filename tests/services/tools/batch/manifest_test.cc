@@ -57,7 +57,7 @@ TEST_F(ForeignManifest, IsRefusedWithTheFieldItsValueAndWhatIsAllowed) {
       {"channel_prefix: \"\"", "channel_prefix: \"'; x\"",
        "channel_prefix = ''; x': allowed is up to "},
       {"tables: \"", "tables: \"../", "tables = '../"},
-      {"measured: true", "measured: 7", "manifest:"},
+      {"format: ", "format: x", "manifest:"},
       {"config_digest: \"", "config_digest: \"<b>", "allowed is 16 hexadecimal digits"},
       {"path: \"/bin/sprout-prior\"", "path: \"sprout-prior\"",
        "path = 'sprout-prior': allowed is an absolute path"},
@@ -122,7 +122,6 @@ TEST(Results, AreNamedByAllThatDecidesThem) {
   EXPECT_NE(with([](Manifest& m) { m.mutable_variant(0)->set_config_digest(Digest("other")); }),
             name_of(before));
   EXPECT_NE(with([](Manifest& m) { m.set_channel_prefix("A_"); }), name_of(before));
-  EXPECT_NE(with([](Manifest& m) { m.set_measured(false); }), name_of(before));
   EXPECT_NE(with([](Manifest& m) { m.set_tables(Digest("other")); }), name_of(before));
   EXPECT_NE(with([](Manifest& m) { m.mutable_keep()->DeleteSubrange(0, 1); }), name_of(before));
   EXPECT_EQ(with([](Manifest& m) {
