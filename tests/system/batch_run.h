@@ -20,8 +20,7 @@ namespace sprout {
 /// Three stages over all logs of a folder.
 inline std::vector<std::string> RunCommand(const std::filesystem::path& logs,
                                            const std::filesystem::path& out) {
-  return {"sprout-batch",     "run", logs, "--out", out, "--config", "fast", "--keep",
-          "refine,prior,grow"};
+  return {"sprout-batch", "run", logs, "--out", out, "--config", "fast"};
 }
 
 /// The cells of a column of frames.csv; NaN where they are empty.

@@ -9,10 +9,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <deque>
 #include <fstream>
-#include <limits>
-#include <memory>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -26,37 +23,12 @@
 #include "common/frames/log_frames.h"
 #include "common/logfile/log_error.h"
 #include "common/logfile/log_reader.h"
-#include "common/logfile/log_writer.h"
 #include "services/tools/batch/frame_table.h"
 #include "services/tools/batch/measures.h"
 #include "services/tools/batch/result_folder.h"
 
 namespace sprout::batch {
 namespace {
-
-// Writes one log of several, as `sprout-log merge` does: by time; each log keeps its order, of
-// equal times the one named first comes first. @throws LogError.
-void MergeLogs(const std::vector<std::string>& logs, const std::filesystem::path& out) {
-  struct Stream {
-    explicit Stream(const std::string& log) : reader(log) { Next(); }
-    void Next() {
-      if (!reader.Next(event)) event.utime = std::numeric_limits<int64_t>::max();
-    }
-
-    LogReader reader;
-    LogEvent event;
-  };
-  std::deque<Stream> streams(logs.begin(), logs.end());
-  LogWriter writer(out);
-  for (;;) {
-    Stream& next = *std::ranges::min_element(
-        streams, {}, [](const Stream& stream) { return stream.event.utime; });
-    if (next.event.utime == std::numeric_limits<int64_t>::max()) break;
-    writer.Write(next.event.utime, next.event.channel, next.event.data);
-    next.Next();
-  }
-  writer.Close();
-}
 
 // Measures what the stages of a batch answered, see MeasureFrames().
 // @param logs  the input, and what each stage answered. @throws LogError.
@@ -222,16 +194,16 @@ class LogTask {
     throw std::runtime_error(what);
   }
 
-  // The answers of the kept stages in one log; the others go.
+  // The answers of the last stage; the others go.
   void KeepAnswers(const ResultFolder& result) const {
-    std::vector<std::string> kept;
-    for (const std::string& stage : manifest_.keep()) kept.push_back(result / (stage + ".lcm"));
-    if (kept.size() == 1) {
-      fs::rename(kept[0], result / kAnswers);
-    } else {
-      MergeLogs(kept, result / kAnswers);
+    for (const std::string& stage : manifest_.stage()) {
+      const fs::path answers = result / (stage + ".lcm");
+      if (stage == *manifest_.stage().rbegin()) {
+        fs::rename(answers, result / kAnswers);
+      } else {
+        fs::remove(answers);
+      }
     }
-    for (const std::string& stage : manifest_.stage()) fs::remove(result / (stage + ".lcm"));
   }
 
   void CompareVariants() const {

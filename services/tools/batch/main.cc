@@ -111,7 +111,7 @@ int Finish(const BatchFolder& folder, const Manifest& manifest, const BatchState
     std::cerr << "sprout-batch: no frame was answered in these logs; see sprout-log info, "
                  "--channel-prefix and --stages\n";
   }
-  const bool is_whole = state.missing == 0 && frames.size() > 0 && manifest.left_out().empty();
+  const bool is_whole = state.missing == 0 && frames.size() > 0;
   return is_whole ? 0 : 1;
 }
 
@@ -183,11 +183,10 @@ int RunStatus(const Options& options) {
         state.done[static_cast<size_t>(log)] ? "is done after a failure" : "failed or is running",
         TryPath(folder, log, tries).string());
   }
-  SayLeftOut(manifest);
   const std::string jobs = ActiveJobs(folder);
   if (!jobs.empty()) std::cout << "Slurm's jobs " << jobs << ": " << StatesOfJobs(jobs) << "\n";
   if (state.missing > 0) SayTaskOutput(folder, std::cout);
-  return state.missing == 0 && manifest.left_out().empty() ? 0 : 1;
+  return state.missing == 0 ? 0 : 1;
 }
 
 int RunReport(const Options& options) {
@@ -235,9 +234,6 @@ void AddRun(Flags& program, Options& options) {
       .Repeatable()
       .SplitAtCommas()
       .ShowDefault();
-  flags.Add("--keep", request.keep, "Stages whose answers are kept, beside the last one's")
-      .Repeatable()
-      .SplitAtCommas();
   flags
       .Add("--config FILE|PRESET", request.config_a,
            "Configuration A, as for the services; several are merged")

@@ -63,17 +63,6 @@ void RequireAbsolute(const std::string& field, const std::string& path) {
   Require(path.starts_with('/'), field, path, "an absolute path");
 }
 
-void RequireKeep(const Manifest& manifest) {
-  std::vector<std::string> in_order;
-  for (const std::string& stage : manifest.stage()) {
-    if (std::ranges::count(manifest.keep(), stage) > 0) in_order.push_back(stage);
-  }
-  const bool holds = std::ranges::equal(manifest.keep(), in_order) && !in_order.empty() &&
-                     in_order.back() == *manifest.stage().rbegin();
-  Require(holds, "keep", fmt::format("{}", fmt::join(manifest.keep(), ",")),
-          "stages of the batch in their order, the last one among them");
-}
-
 void RequireValid(const Variant& variant, int stages) {
   RequireDigest("config_digest", variant.config_digest());
   Require(variant.program_size() == stages, "program", std::to_string(variant.program_size()),
@@ -89,7 +78,6 @@ void RequireValid(const Manifest& manifest) {
           std::to_string(kManifestFormat) + ", that of this version");
   RequirePlainTexts(manifest);
   RequireStages("stage", {manifest.stage().begin(), manifest.stage().end()});
-  RequireKeep(manifest);
   Require(IsChannelPrefix(manifest.channel_prefix()), "channel_prefix", manifest.channel_prefix(),
           AllowedChannelPrefix());
   RequireDigest("tables", manifest.tables());
@@ -107,10 +95,9 @@ void RequireValid(const Manifest& manifest) {
 }
 
 std::string ResultKey(const Manifest& manifest, int log, int variant) {
-  std::string text =
-      fmt::format("result {} {} {} {} {} {}", kManifestFormat, manifest.log(log).digest(),
-                  manifest.variant(variant).config_digest(), fmt::join(manifest.keep(), ","),
-                  manifest.channel_prefix(), manifest.tables());
+  std::string text = fmt::format(
+      "result {} {} {} {} {}", kManifestFormat, manifest.log(log).digest(),
+      manifest.variant(variant).config_digest(), manifest.channel_prefix(), manifest.tables());
   for (int i = 0; i < manifest.stage_size(); ++i) {
     text += fmt::format(" {} {}", manifest.stage(i), manifest.variant(variant).program(i).digest());
   }

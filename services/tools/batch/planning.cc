@@ -62,25 +62,12 @@ bool AreAlike(const Variant& a, const Variant& b) {
          std::ranges::equal(a.program(), b.program(), {}, digest, digest);
 }
 
-void AddKeep(const BatchRequest& request, Manifest& manifest) {
-  for (const std::string& stage : request.keep) {
-    if (std::ranges::count(manifest.stage(), stage) == 0) {
-      throw ConfigError("--keep " + Printable(stage) + ": allowed are stages of --stages");
-    }
-  }
-  for (const std::string& stage : manifest.stage()) {
-    const bool is_last = stage == *manifest.stage().rbegin();
-    if (is_last || std::ranges::count(request.keep, stage) > 0) manifest.add_keep(stage);
-  }
-}
-
 // The settings that have nothing to do with logs and variants.
 Manifest SettingsOf(const BatchRequest& request, const std::string& program) {
   Manifest manifest;
   manifest.set_format(kManifestFormat);
   RequireStages("--stages", request.stages);
   for (const std::string& stage : request.stages) manifest.add_stage(stage);
-  AddKeep(request, manifest);
   if (!IsChannelPrefix(request.prefix)) {
     throw ConfigError(fmt::format("--channel-prefix '{}': allowed are {}",
                                   Printable(request.prefix), AllowedChannelPrefix()));
@@ -205,20 +192,12 @@ constexpr std::string_view kNotInNames = "/,\"";
 
 }  // namespace
 
-void SayLeftOut(const Manifest& manifest) {
-  for (const std::string& log : manifest.left_out()) {
-    std::cerr << "sprout-batch: left out: " << log << kBadName << "\n";
-  }
-}
-
 Manifest Plan(const BatchRequest& request, const std::string& program) {
   const BatchFolder folder(Absolute(request.out));
   RequirePlainText("--out", request.out);  // these go into the manifest
   RequirePlainText("--programs-b", request.programs_b);
-  const FoundLogs found = FindLogs(request.inputs);
+  const std::vector<std::string> logs = FindLogs(request.inputs);
   Manifest manifest = SettingsOf(request, program);
-  manifest.mutable_left_out()->Assign(found.left_out.begin(), found.left_out.end());
-  SayLeftOut(manifest);
   const std::vector<SproutConfig> configs =
       AddVariants(request, fs::path(program).parent_path(), manifest);
   std::string before;
@@ -228,7 +207,7 @@ Manifest Plan(const BatchRequest& request, const std::string& program) {
     before = ConfigText(old);
     for (const BatchLog& log : old.log()) known[log.path()] = log;
   }
-  AddLogs(found.logs, known, manifest);
+  AddLogs(logs, known, manifest);
   for (size_t i = 0; i < configs.size(); ++i) {
     WriteText(folder.config(static_cast<int>(i)), ConfigText(configs[i]));
   }
@@ -260,23 +239,16 @@ std::vector<std::string> LogsBelow(const fs::path& folder) {
   return logs;
 }
 
-FoundLogs FindLogs(const std::vector<std::string>& inputs) {
+std::vector<std::string> FindLogs(const std::vector<std::string>& inputs) {
   Inputs all;
   for (const std::string& input : inputs) all.Add(input);
-  FoundLogs found;
+  std::vector<std::string> logs;
   std::set<std::string> seen;
   for (const std::string& log : all.logs()) {
-    if (!seen.insert(log).second) continue;
-    if (IsPlainText(log)) {
-      found.logs.push_back(log);
-    } else {
-      found.left_out.push_back(Printable(log));
-    }
+    RequirePlainText("log", log);  // it goes into the manifest
+    if (seen.insert(log).second) logs.push_back(log);
   }
-  if (found.logs.empty() && !found.left_out.empty()) {
-    throw ConfigError(found.left_out.front() + kBadName);
-  }
-  return found;
+  return logs;
 }
 
 bool IsPlainText(std::string_view text) { return Printable(text) == text; }

@@ -15,15 +15,11 @@ struct BatchRequest {
   std::vector<std::string> inputs;  ///< logs, folders of logs (*.lcm), @LIST files
   std::string out;
   std::vector<std::string> stages = {"refine", "prior", "grow"};
-  std::vector<std::string> keep;      ///< empty: the last stage
   std::vector<std::string> config_a;  ///< as --config of the services
   std::vector<std::string> config_b;  ///< empty: that of A, if there is a B
   std::string programs_b;             ///< empty: those of A, if there is a B
   std::string prefix;
 };
-
-/// One line on stderr for each log that is left out.
-void SayLeftOut(const Manifest& manifest);
 
 /// The manifest of a request, written to its folder with the effective configurations. Reads each
 /// new or changed log once, for its digest. An equal manifest is kept.
@@ -38,25 +34,16 @@ Manifest Plan(const BatchRequest& request, const std::string& program);
 std::vector<std::string> LogsBelow(const std::filesystem::path& folder);
 
 /// The selected logs: absolute paths, without duplicates, in order.
-struct FoundLogs {
-  std::vector<std::string> logs;
-  /// Those whose paths are not allowed in a manifest, as text for people (Printable()).
-  std::vector<std::string> left_out;
-};
-
 /// @param inputs  logs, folders of logs, @LIST files with one of these a line.
-/// @throws ConfigError for missing inputs, a list that contains itself, and when no log is left.
-FoundLogs FindLogs(const std::vector<std::string>& inputs);
-
-/// Why a log is left out; stands behind its name.
-inline constexpr char kBadName[] =
-    ": is not allowed in the manifest; allowed are names in UTF-8 without control characters";
+/// @throws ConfigError for missing inputs, a list that contains itself, and a path that is not
+///         allowed in a manifest.
+std::vector<std::string> FindLogs(const std::vector<std::string>& inputs);
 
 /// Whether a text is allowed in a manifest, in a table and on a page: UTF-8 without control
 /// characters. File names may hold any bytes.
 bool IsPlainText(std::string_view text);
 
-/// @throws ConfigError that names the flag when `text` is not plain.
+/// @throws ConfigError that names what it is, such as a flag, when `text` is not plain.
 void RequirePlainText(const std::string& flag, const std::string& text);
 
 /// Whether a log's results can have this name: plain text that is one part of a path and one cell

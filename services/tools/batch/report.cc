@@ -74,10 +74,6 @@ std::string SummaryHtml(const Manifest& manifest, const BatchState& state,
         "<p class=\"bad\">{} of {} logs are missing: this is a part of the batch.</p>\n",
         state.missing, manifest.log_size());
   }
-  for (const std::string& log : manifest.left_out()) {
-    html +=
-        fmt::format("<p class=\"bad\">Left out, because of its name: {}</p>\n", EscapedHtml(log));
-  }
   return html;
 }
 

@@ -172,7 +172,7 @@ TEST(FindLogs, RefusesWhatIsNotThere) {
   EXPECT_THROW(FindLogs({folder / "none.lcm"}), ConfigError);
   EXPECT_THROW(FindLogs({folder / ""}), ConfigError);  // a folder without logs
   std::ofstream(folder / "a.lcm") << "x";
-  EXPECT_THAT(FindLogs({folder / "", folder / "a.lcm"}).logs, SizeIs(1));
+  EXPECT_THAT(FindLogs({folder / "", folder / "a.lcm"}), SizeIs(1));
 }
 
 }  // namespace

@@ -7,17 +7,13 @@
 
 namespace sprout::batch {
 
-/// prior and grow on two logs, x and y, with two variants; both stages' answers are kept.
+/// prior and grow on two logs, x and y, with two variants.
 inline Manifest ExampleManifest() {
   Manifest manifest;
   manifest.set_format(kManifestFormat);
-  for (const char* stage : {"prior", "grow"}) {
-    manifest.add_stage(stage);
-    manifest.add_keep(stage);
-  }
+  for (const char* stage : {"prior", "grow"}) manifest.add_stage(stage);
   manifest.set_channel_prefix("");
   manifest.set_tables(Digest("tables"));
-  manifest.add_left_out("z\\xff.lcm");
   for (const char* name : {"a", "b"}) {
     Variant& variant = *manifest.add_variant();
     variant.set_config_digest(Digest(name));

@@ -48,12 +48,10 @@ TEST_F(ForeignManifest, IsRefusedWithTheFieldItsValueAndWhatIsAllowed) {
     const char* error;
   } kCases[] = {
       {"format: 2", "format: 1", "format = '1': allowed is 2, that of this version"},
-      {"stage: \"prior\"\n", "", "keep = 'prior,grow': allowed is stages of the batch"},
+      {"stage: \"prior\"\n", "", "program = '2': allowed is one for each stage"},
       {"stage: \"prior\"\nstage: \"grow\"", "stage: \"grow\"\nstage: \"prior\"",
        "stage grow,prior: allowed are refine, prior, grow and temporal"},
       {"stage: \"prior\"\nstage: \"grow\"", "", "stage : allowed are refine, prior"},
-      {"keep: \"grow\"", "", "keep = 'prior': allowed is stages of the batch in their order"},
-      {"keep: \"prior\"", "keep: \"../x\"", "keep = '../x,grow': allowed is stages of the batch"},
       {"channel_prefix: \"\"", "channel_prefix: \"'; x\"",
        "channel_prefix = ''; x': allowed is up to "},
       {"tables: \"", "tables: \"../", "tables = '../"},
@@ -62,7 +60,7 @@ TEST_F(ForeignManifest, IsRefusedWithTheFieldItsValueAndWhatIsAllowed) {
       {"path: \"/bin/sprout-prior\"", "path: \"sprout-prior\"",
        "path = 'sprout-prior': allowed is an absolute path"},
       {"program {", "program { } program {", "program = '3': allowed is one for each stage"},
-      {"left_out: \"", "left_out: \"a\\nb", "left_out = 'a\\x0ab"},
+      {"version: \"", "version: \"a\\nb", "version = 'a\\x0ab"},
       {"name: \"x\"", "name: \"../../victim\"",
        "name = '../../victim': allowed is a file name of up to"},
       {"name: \"x\"", "name: \"\"", "name = '': allowed is a file name"},
@@ -123,7 +121,6 @@ TEST(Results, AreNamedByAllThatDecidesThem) {
             name_of(before));
   EXPECT_NE(with([](Manifest& m) { m.set_channel_prefix("A_"); }), name_of(before));
   EXPECT_NE(with([](Manifest& m) { m.set_tables(Digest("other")); }), name_of(before));
-  EXPECT_NE(with([](Manifest& m) { m.mutable_keep()->DeleteSubrange(0, 1); }), name_of(before));
   EXPECT_EQ(with([](Manifest& m) {
               m.mutable_log(0)->set_path("/moved.lcm");
               m.mutable_variant(0)->mutable_program(0)->set_path("/moved/sprout-prior");
