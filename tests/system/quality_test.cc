@@ -54,8 +54,7 @@ class QualitySystem : public ::testing::Test {
 
 // The map claims 2/16 px, its noise is 0.1 px.
 TEST_F(QualitySystem, MeasuresARunningGraphOnceAndEnds) {
-  Process quality = StartQuality({"--once", "--count", "6", "--json", QualityFile("q.json"),
-                                  "--images", QualityFile("pictures")});
+  Process quality = StartQuality({"--once", "--count", "6", "--json", QualityFile("q.json")});
   SendMapsUntil(
       quality, [] { return false; }, /*sigma=*/2);
   EXPECT_EQ(quality.Wait(), 0) << quality.Output();
@@ -65,14 +64,12 @@ TEST_F(QualitySystem, MeasuresARunningGraphOnceAndEnds) {
                                       ContainsRegex("sigma claimed / seen +1\\.2[2-7]")));
   EXPECT_THAT(quality.Output(), HasSubstr("sprout-quality: SPROUT_DISPARITY: "));
   EXPECT_TRUE(std::filesystem::exists(QualityFile("q.json")));
-  EXPECT_TRUE(std::filesystem::exists(QualityFile("pictures/residuals.png")));
 }
 
-TEST_F(QualitySystem, GoesOnUntilItIsInterruptedAndShowsPicturesMeanwhile) {
-  Process quality =
-      StartQuality({"--report", QualityFile("q.html"), "--images", QualityFile("pictures")});
-  SendMapsUntil(quality,
-                [&] { return std::filesystem::exists(QualityFile("pictures/residuals.png")); });
+TEST_F(QualitySystem, GoesOnUntilItIsInterrupted) {
+  Process quality = StartQuality({"--report", QualityFile("q.html")});
+  int sent = 0;
+  SendMapsUntil(quality, [&] { return ++sent > 50; });
   EXPECT_FALSE(quality.Wait(std::chrono::seconds(0)));
   EXPECT_FALSE(std::filesystem::exists(QualityFile("q.html")));
   quality.Signal(SIGINT);

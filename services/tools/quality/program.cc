@@ -21,7 +21,6 @@
 #include "common/picture/color_map.h"
 #include "common/picture/html.h"
 #include "common/picture/picture.h"
-#include "common/picture/write_image.h"
 #include "services/tools/quality/sources.h"
 #include "services/tools/quality/verdict.h"
 
@@ -203,7 +202,6 @@ struct Options {
   fs::path limits;
   fs::path json;
   fs::path report;
-  fs::path images;
   LiveOptions live{.lcm_url = kDefaultLcmUrl, .prefix = {}};
 };
 
@@ -239,8 +237,6 @@ void AddOutputFlags(Flags& flags, Options& options) {
             "What figures have to keep; exit code 1 when one does not");
   flags.Add("--json FILE", options.json, "Write the figures as JSON");
   flags.Add("--report FILE", options.report, "Write an HTML page: figures, plane, residuals");
-  flags.Add("--images DIR", options.images,
-            "Write region.png, residuals.png and noise.png; of a running graph once a second");
   flags.Add("--once", options.live.once,
             "Of a running graph: ends when --count maps are measured, or when none came for 30 s");
   flags
@@ -267,10 +263,6 @@ class Run {
     NoteFolder();
     if (!options.json.empty()) RequireWritableFile("--json", options.json);
     if (!options.report.empty()) RequireWritableFile("--report", options.report);
-    if (!options.images.empty()) {
-      RequireWritableFolder("--images", options.images,
-                            {"region.png", "residuals.png", "noise.png"});
-    }
     if (!IsChannelPrefix(options.live.prefix)) {
       throw ConfigError("--channel-prefix " + options.live.prefix +
                         ": allowed: " + AllowedChannelPrefix());
@@ -283,7 +275,6 @@ class Run {
     const std::string left_out = measurement_.LeftOutText();
     if (!left_out.empty()) std::cerr << "sprout-quality: " << left_out << "\n";
     const TargetQuality quality = measurement_.meter().Quality();
-    if (!options_.images.empty()) WriteImages(quality);
     const std::string input = InputText();
     if (!options_.json.empty()) WriteWhole(options_.json, JsonText(measurement_, limits_, input));
     if (!options_.report.empty()) {
@@ -325,20 +316,9 @@ class Run {
   }
 
   void Refresh() {
-    if (!options_.images.empty()) WriteImages(measurement_.meter().Quality());
     if (isatty(STDOUT_FILENO) == 0) return;
     constexpr std::string_view kHome = "\x1b[H\x1b[J";  // cursor to the corner, rest empty
     std::cout << kHome << TableText(measurement_, limits_) << std::flush;
-  }
-
-  void WriteImages(const TargetQuality& quality) const {
-    const TargetMaps maps = measurement_.meter().Maps();
-    const auto write = [&](const char* name, const cv::Mat3b& picture) {
-      RequireWritten(WritePng(options_.images / name, picture));
-    };
-    write("region.png", RegionPicture(measurement_));
-    write("residuals.png", ResidualPicture(maps, quality));
-    write("noise.png", NoisePicture(maps, quality));
   }
 
   const Options& options_;

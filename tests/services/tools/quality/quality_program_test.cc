@@ -116,10 +116,10 @@ TEST_F(QualityProgram, MeasuresALogAndAFolderOfPfmAlike) {
   }
 }
 
-TEST_F(QualityProgram, WritesFiguresAndAPageAndPictures) {
-  const MainOutcome outcome = RunQuality(
-      {WriteLog("run.lcm", Maps(3)), "--region", "20,30,200,100", "--distance-m", "1.6", "--json",
-       File("q.json"), "--report", File("q.html"), "--images", File("pictures")});
+TEST_F(QualityProgram, WritesFiguresAndAPage) {
+  const MainOutcome outcome =
+      RunQuality({WriteLog("run.lcm", Maps(3)), "--region", "20,30,200,100", "--distance-m", "1.6",
+                  "--json", File("q.json"), "--report", File("q.html")});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   const nlohmann::json json = Json();
   EXPECT_EQ(json["region"], nlohmann::json({20, 30, 200, 100}));
@@ -132,9 +132,6 @@ TEST_F(QualityProgram, WritesFiguresAndAPageAndPictures) {
   for (const char* part : {"<h2>Plane</h2>", "<h2>Residuals</h2>", "<h2>Temporal noise</h2>",
                            "<svg", "20,30,200,100", "data:image/png;base64,", "z = 1.500"}) {
     EXPECT_THAT(page, HasSubstr(part));
-  }
-  for (const char* picture : {"region.png", "residuals.png", "noise.png"}) {
-    EXPECT_GT(std::filesystem::file_size(folder_ / "pictures" / picture), 1000) << picture;
   }
 }
 
@@ -231,8 +228,7 @@ TEST_F(QualityProgram, TakesAsManyMapsAsAskedFor) {
 
 TEST_F(QualityProgram, ATargetWithoutPixelsIsNotGood) {
   const std::vector<cv::Mat1f> maps(2, cv::Mat1f(240, 320, sprout::testing::kNoDisparity));
-  const MainOutcome outcome = RunQuality(
-      {WriteLog("run.lcm", maps), "--report", File("q.html"), "--images", File("pictures")});
+  const MainOutcome outcome = RunQuality({WriteLog("run.lcm", maps), "--report", File("q.html")});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.out, ContainsRegex("fill rate +0.00 %\n"));
   EXPECT_THAT(outcome.out, HasSubstr("2 without a plane"));
@@ -259,7 +255,6 @@ TEST_F(QualityProgram, RefusesInputThatCannotBeMeasured) {
   ExpectRefused({log, "--distance-m", "0"}, 2, "--distance-m");
   ExpectRefused({log, "--count", "0"}, 2, "--count");
   ExpectRefused({log, "--frames", "9:1"}, 2, "--frames");
-  ExpectRefused({log, "--images", File("run.lcm")}, 2, "--images");
 }
 
 // As `sprout-pipeline files` leaves them of many pairs.
