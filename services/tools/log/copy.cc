@@ -36,10 +36,6 @@ struct CutOptions : CopyOptions {
   std::string prefix;
 };
 
-struct RepairOptions : CopyOptions {
-  bool drop_undecodable = false;
-};
-
 struct CompressOptions : CopyOptions {
   std::optional<int> jpeg_quality;
 };
@@ -236,22 +232,18 @@ int RunCut(const CutOptions& options) {
   return 0;
 }
 
-int RunRepair(const RepairOptions& options) {
+int RunRepair(const CopyOptions& options) {
   LogReader reader(options.in);
   LogWriter out(options.out, options.force, OutputFile::OverInput::kAllowed);
   ReadProgress progress("repairing " + options.in.string(), reader.size());
   int64_t undecodable = 0;
   std::vector<std::string> report;
   for (LogEvent event; reader.Next(event); progress.Update(reader.position())) {
+    constexpr int kShown = 20;
     const std::string reason = WhyUndecodable(event);
-    if (!reason.empty()) {
-      constexpr int kShown = 20;
-      if (++undecodable <= kShown) {
-        report.push_back(fmt::format("{}: {}, event {} at byte {}: {}",
-                                     options.drop_undecodable ? "dropped" : "kept, but undecodable",
-                                     event.channel, event.number, event.offset, reason));
-      }
-      if (options.drop_undecodable) continue;
+    if (!reason.empty() && ++undecodable <= kShown) {
+      report.push_back(fmt::format("kept, but undecodable: {}, event {} at byte {}: {}",
+                                   event.channel, event.number, event.offset, reason));
     }
     Copy(event, out);
   }
@@ -263,10 +255,10 @@ int RunRepair(const RepairOptions& options) {
     report.push_back("lost: " + DamageText(damage));
   }
   for (const std::string& line : report) PrintLine(line);
-  PrintLine(fmt::format("{}: {} events; {} bytes of {} lost in {} place{}, {} undecodable {}",
+  PrintLine(fmt::format("{}: {} events; {} bytes of {} lost in {} place{}, {} undecodable kept",
                         options.out.string(), out.events(), lost_bytes, reader.size(),
-                        reader.damage().size(), reader.damage().size() == 1 ? "" : "s", undecodable,
-                        options.drop_undecodable ? "dropped" : "kept"));
+                        reader.damage().size(), reader.damage().size() == 1 ? "" : "s",
+                        undecodable));
   return 0;
 }
 
@@ -326,15 +318,13 @@ void AddCut(Flags& program) {
 }
 
 void AddRepair(Flags& program) {
-  const auto options = std::make_shared<RepairOptions>();
+  const auto options = std::make_shared<CopyOptions>();
   Flags& flags = program.AddCommand(
       "repair",
       "Writes all good events of a damaged log to a new one that every LCM tool reads, and\nprints "
       "what was lost. Undecodable messages are kept: a later program may understand them",
       [options] { return RunRepair(*options); });
   AddPaths(flags, *options);
-  flags.Add("--drop-undecodable", options->drop_undecodable,
-            "Drop messages that services would refuse");
   AddForce(flags, options->force);
 }
 

@@ -242,19 +242,15 @@ TEST(LogRepair, WritesAllGoodEventsAndSaysWhatWasLost) {
   EXPECT_THAT(out.damage, IsEmpty());
 }
 
-TEST(LogRepair, KeepsUndecodableMessagesUnlessTold) {
+TEST(LogRepair, KeepsUndecodableMessages) {
   const LogFolder folder;
   auto events = GraphEvents(3);
   EventOf(events, Part::kLeft, 1).data.pop_back();
   const auto in = folder.Write("in", events);
-  MainOutcome outcome = RunLog({"repair", in, folder.File("out")});
+  const MainOutcome outcome = RunLog({"repair", in, folder.File("out")});
   EXPECT_EQ(outcome.exit_code, 0);
   EXPECT_THAT(outcome.out, HasSubstr("kept, but undecodable: SPROUT_LEFT, event "));
   EXPECT_EQ(ReadBytes(folder.File("out")), ReadBytes(in));
-  outcome = RunLog({"repair", in, folder.File("out"), "--force", "--drop-undecodable"});
-  EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.out, HasSubstr("1 undecodable dropped\n"));
-  EXPECT_EQ(ReadLog(folder.File("out")).events.size(), events.size() - 1);
 }
 
 }  // namespace
