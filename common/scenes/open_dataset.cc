@@ -33,14 +33,6 @@ std::unique_ptr<Dataset> OpenSyntheticText(std::string_view size_text,
   return OpenSynthetic({width, height}, config);
 }
 
-// @returns whether the sensor has such an option.
-bool ApplyOfTof(std::string_view kind, const SourceOption& option, CaptureConfig& config) {
-  if (config.tof() == kZones) return ApplyZonesOption(option, *config.mutable_zones());
-  if (config.tof() == "sr4000" && ApplySr4000Option(option, *config.mutable_sr4000())) return true;
-  return config.tof() != "none" &&
-         ApplyRangeErrorOption(option, kind == "kitti", *config.mutable_range_errors());
-}
-
 // Applies what stands behind the '?' of a source.
 void ApplyOptions(std::string_view kind, const std::vector<SourceOption>& options,
                   CaptureConfig& config) {
@@ -49,7 +41,7 @@ void ApplyOptions(std::string_view kind, const std::vector<SourceOption>& option
       config.set_beams(ParseNumber<int>(option.value).value_or(0));
     } else if (option.name == "tof") {
       if (!ApplyZones(option.value, config)) config.set_tof(std::string(option.value));
-    } else if (!ApplyOfTof(kind, option, config)) {
+    } else if (!ApplyTofOption(option, /*is_scan=*/kind == "kitti", config)) {
       throw BadSource(config, "no such option " + std::string(option.text),
                       kind == "kitti"
                           ? "?beams=64, 32, 16, 8 or 4, ?tof=none, " + std::string(kScanOptions)

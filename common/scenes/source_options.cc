@@ -31,47 +31,7 @@ bool ApplyNumber(const SourceOption& option, std::span<const NumberOption<Config
   return true;
 }
 
-}  // namespace
-
-std::vector<SourceOption> SourceOptions(std::string_view text) {
-  std::vector<SourceOption> options;
-  for (const std::string_view option : SplitAt('&', text)) {
-    const size_t equals = std::min(option.find('='), option.size());
-    const std::string_view name = option.substr(0, equals);
-    if (const auto before = std::ranges::find(options, name, &SourceOption::name);
-        before != options.end()) {
-      throw ConfigError("capture.source: " + std::string(before->text) + " and " +
-                        std::string(option) + ": allowed is each option once");
-    }
-    options.push_back({.text = option,
-                       .name = name,
-                       .value = option.substr(std::min(equals + 1, option.size()))});
-  }
-  return options;
-}
-
-SplitSourceText SplitSource(std::string_view source) {
-  const size_t question = source.rfind('?');
-  if (question == std::string_view::npos) return {std::string(source), {}};
-  return {std::string(source.substr(0, question)), SourceOptions(source.substr(question + 1))};
-}
-
-bool ApplyZones(std::string_view tof, CaptureConfig& config) {
-  if (!tof.starts_with(kZones)) return false;
-  const std::string_view size = tof.substr(kZones.size());
-  if (!size.empty()) {
-    const auto zones = size.starts_with(':') ? ParseSize(size.substr(1)) : std::nullopt;
-    if (!zones) {
-      throw ConfigError("capture.tof = " + std::string(tof) +
-                        ": no size; allowed: zones:CxR such as zones:8x8");
-    }
-    config.mutable_zones()->set_columns(zones->first);
-    config.mutable_zones()->set_rows(zones->second);
-  }
-  RequireInRange(config.zones(), "capture.zones");
-  config.set_tof(std::string(kZones));
-  return true;
-}
+// Each applies an option, and returns whether it is one of its own.
 
 bool ApplyZonesOption(const SourceOption& option, ZonesConfig& config) {
   if (option.name == "mode" && (option.value == "mean" || option.value == "nearest")) {
@@ -129,6 +89,55 @@ bool ApplySr4000Option(const SourceOption& option, Sr4000Config& config) {
   if (!ApplyNumber<C>(option, kKnown, "sr4000?", std::string(kSr4000Options), config)) return false;
   RequireInRange(config, "capture.sr4000");
   return true;
+}
+
+}  // namespace
+
+std::vector<SourceOption> SourceOptions(std::string_view text) {
+  std::vector<SourceOption> options;
+  for (const std::string_view option : SplitAt('&', text)) {
+    const size_t equals = std::min(option.find('='), option.size());
+    const std::string_view name = option.substr(0, equals);
+    if (const auto before = std::ranges::find(options, name, &SourceOption::name);
+        before != options.end()) {
+      throw ConfigError("capture.source: " + std::string(before->text) + " and " +
+                        std::string(option) + ": allowed is each option once");
+    }
+    options.push_back({.text = option,
+                       .name = name,
+                       .value = option.substr(std::min(equals + 1, option.size()))});
+  }
+  return options;
+}
+
+SplitSourceText SplitSource(std::string_view source) {
+  const size_t question = source.rfind('?');
+  if (question == std::string_view::npos) return {std::string(source), {}};
+  return {std::string(source.substr(0, question)), SourceOptions(source.substr(question + 1))};
+}
+
+bool ApplyZones(std::string_view tof, CaptureConfig& config) {
+  if (!tof.starts_with(kZones)) return false;
+  const std::string_view size = tof.substr(kZones.size());
+  if (!size.empty()) {
+    const auto zones = size.starts_with(':') ? ParseSize(size.substr(1)) : std::nullopt;
+    if (!zones) {
+      throw ConfigError("capture.tof = " + std::string(tof) +
+                        ": no size; allowed: zones:CxR such as zones:8x8");
+    }
+    config.mutable_zones()->set_columns(zones->first);
+    config.mutable_zones()->set_rows(zones->second);
+  }
+  RequireInRange(config.zones(), "capture.zones");
+  config.set_tof(std::string(kZones));
+  return true;
+}
+
+bool ApplyTofOption(const SourceOption& option, bool is_scan, CaptureConfig& config) {
+  if (config.tof() == kZones) return ApplyZonesOption(option, *config.mutable_zones());
+  if (config.tof() == "sr4000" && ApplySr4000Option(option, *config.mutable_sr4000())) return true;
+  return config.tof() != "none" &&
+         ApplyRangeErrorOption(option, is_scan, *config.mutable_range_errors());
 }
 
 }  // namespace sprout::scenes

@@ -41,20 +41,10 @@ bool ApplyZones(std::string_view tof, CaptureConfig& config);
 /// The options allowed after "zones:CxR", for messages to people.
 inline constexpr std::string_view kZonesOptions = "&mode=mean or nearest, &targets=N";
 
-/// Applies mode=mean, mode=nearest or targets=N. @returns whether the option is one of them.
-/// @throws ConfigError when the value is not allowed.
-bool ApplyZonesOption(const SourceOption& option, ZonesConfig& config);
-
 /// The options allowed after "sr4000", for messages to people.
 inline constexpr std::string_view kSr4000Options =
     "&blind=P (%), &wrapped=P (%), &calibration=PX, &every=K, &amplitude=MM, &multipath=SHARE, "
     "&scatter=SHARE, &motion=SHARE";
-
-/// Applies blind=P (blind_percent), wrapped=P (wrapped_percent), calibration=PX
-/// (calibration_error_px), every=K (every_px), amplitude=MM (amplitude_error_m), multipath=SHARE,
-/// scatter=SHARE or motion=SHARE. @returns whether the option is one of them.
-/// @throws ConfigError when the value is not a number or out of range.
-bool ApplySr4000Option(const SourceOption& option, Sr4000Config& config);
 
 /// The options of any range image, for messages to people.
 inline constexpr std::string_view kRangeErrorOptions =
@@ -64,9 +54,10 @@ inline constexpr std::string_view kRangeErrorOptions =
 inline constexpr std::string_view kScanOptions =
     "&range=M, &yaw=DEGREES, &pitch=DEGREES, &bumps=PX, &unit=F, &mirrored";
 
-/// Applies one of kRangeErrorOptions, or with `is_scan` of kScanOptions. @returns whether the
-/// option is one of them.
-/// @throws ConfigError when the value is not a number or out of range.
-bool ApplyRangeErrorOption(const SourceOption& option, bool is_scan, RangeErrorsConfig& config);
+/// Applies an option of the ToF camera that config.tof() names: one of those above.
+/// @param is_scan  the ranges are a recorded scan.
+/// @returns whether the camera has such an option.
+/// @throws ConfigError when the value is not allowed, no number or out of range.
+bool ApplyTofOption(const SourceOption& option, bool is_scan, CaptureConfig& config);
 
 }  // namespace sprout::scenes

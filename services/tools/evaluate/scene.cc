@@ -99,19 +99,18 @@ TofChoice::TofChoice(const std::string& text) : text_(text) {
   const std::string_view view = text_;
   const size_t question = std::min(view.find('?'), view.size());
   const std::string_view sensor = view.substr(0, question);
-  if (view == kNone || view == kScan) return;
-  if (sensor == kSr4000) {
-    sr4000_.emplace();
-  } else if (sensor.starts_with(scenes::kZones)) {
-    CaptureConfig config;
-    scenes::ApplyZones(sensor, config);
-    zones_ = config.zones();
-  } else {
+  chosen_.set_tof("grid");
+  if (view == kScan) return;
+  if (sensor == kNone || sensor == kSr4000) {
+    chosen_.set_tof(std::string(sensor));
+  } else if (!scenes::ApplyZones(sensor, chosen_)) {
     ReadSpacing(sensor);
   }
   if (question == view.size()) return;
   for (const scenes::SourceOption& option : scenes::SourceOptions(view.substr(question + 1))) {
-    if (!ApplyOption(option)) throw BadChoice(text_, "no such option");
+    if (!scenes::ApplyTofOption(option, /*is_scan=*/false, chosen_)) {
+      throw BadChoice(text_, "no such option");
+    }
   }
 }
 
@@ -133,33 +132,12 @@ void TofChoice::ReadSpacing(std::string_view grid) {
   }
 }
 
-bool TofChoice::ApplyOption(const scenes::SourceOption& option) {
-  if (zones_) return scenes::ApplyZonesOption(option, *zones_);
-  if (sr4000_ && scenes::ApplySr4000Option(option, *sr4000_)) return true;
-  return scenes::ApplyRangeErrorOption(option, false, range_errors_);
-}
-
 void TofChoice::Apply(int rows, CaptureConfig& config) const {
-  config.mutable_range_errors()->MergeFrom(range_errors_);
-  if (sr4000_) {
-    config.set_tof(std::string(kSr4000));
-    config.mutable_sr4000()->MergeFrom(*sr4000_);
-    return;
-  }
-  if (zones_) {
-    config.set_tof(std::string(scenes::kZones));
-    config.mutable_zones()->MergeFrom(*zones_);
-    return;
-  }
-  if (text_ == kNone) {
-    config.set_tof(text_);
-    return;
-  }
+  config.MergeFrom(chosen_);
+  if (config.tof() != "grid") return;
   const double automatic_px = std::max(1.0, std::round(rows / kRowsPerSpacingPx));
-  const int spacing_px = spacing_px_.value_or(
-      std::clamp(static_cast<int>(std::lround(automatic_px * factor_)), 1, kMaxSpacingPx));
-  config.set_tof("grid");
-  config.set_tof_grid_px(spacing_px);
+  config.set_tof_grid_px(spacing_px_.value_or(
+      std::clamp(static_cast<int>(std::lround(automatic_px * factor_)), 1, kMaxSpacingPx)));
 }
 
 bool IsKitti(const std::string& scene) { return scene.starts_with(kKitti); }

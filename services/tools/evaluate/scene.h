@@ -41,13 +41,9 @@ class TofChoice {
  private:
   // @param grid  what stands before the '?'.
   void ReadSpacing(std::string_view grid);
-  // @returns whether the sensor has such an option.
-  bool ApplyOption(const scenes::SourceOption& option);
 
   std::string text_;
-  RangeErrorsConfig range_errors_;
-  std::optional<Sr4000Config> sr4000_;
-  std::optional<ZonesConfig> zones_;
+  CaptureConfig chosen_;           // the camera and its options
   std::optional<int> spacing_px_;  // nothing: from the rows
   double factor_ = 1;              // on the spacing from the rows
 };
