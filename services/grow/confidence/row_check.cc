@@ -28,9 +28,9 @@ struct RowRules {
   static constexpr double kMinGrey = 2;  ///< of a corner: its gradient in all directions
   static constexpr size_t kFewest = 60;  ///< corners that say something
   static constexpr double kSigmas = 2;   ///< see RowCheck::right_share
-  /// Corners stand beside edges, where growth errs more often than it claims: of right pairs down
-  /// to this share of what it claims is found.
-  static constexpr double kOfClaimed = 0.9;
+  /// Corners stand beside edges, where growth errs more often than it claims, most between coarse
+  /// ranges: of right pairs no less than this share of what it claims is found.
+  static constexpr double kOfClaimed = 0.8;
 };
 
 constexpr int kParts = RowRules::kColumns * RowRules::kRows;
@@ -46,16 +46,25 @@ cv::Rect PartAt(int index, cv::Size size) {
   return {from, to};
 }
 
-// 1 for the parts that have no range point, nor has one beside them.
-cv::Mat1b PartsWithoutRanges(std::span<const Seed> seeds, cv::Size size) {
-  cv::Mat1b ranged(RowRules::kRows, RowRules::kColumns, uint8_t{0});
+// 1 for the parts that, with those beside them, have no more range points than matches of stereo.
+cv::Mat1b PartsOfImages(std::span<const Seed> seeds, cv::Size size) {
+  cv::Mat1i more(RowRules::kRows, RowRules::kColumns, 0);  // range points
   for (const Seed& seed : seeds) {
-    if (seed.origin != SeedOrigin::kTof || !IsInside(seed.u, seed.v, size, -0.5)) continue;
-    ranged(cvFloor((seed.v + 0.5) * RowRules::kRows / size.height),
-           cvFloor((seed.u + 0.5) * RowRules::kColumns / size.width)) = 1;
+    if (!IsInside(seed.u, seed.v, size, -0.5)) continue;
+    more(cvFloor((seed.v + 0.5) * RowRules::kRows / size.height),
+         cvFloor((seed.u + 0.5) * RowRules::kColumns / size.width)) +=
+        seed.origin == SeedOrigin::kTof ? 1 : -1;
   }
-  cv::dilate(ranged, ranged, cv::Mat1b::ones(3, 3));
-  return cv::Mat1b(1 - ranged);
+  cv::Mat1b of_images(more.size());
+  for (int y = 0; y < more.rows; ++y) {
+    for (int x = 0; x < more.cols; ++x) {
+      const cv::Rect around = cv::Rect(x - 1, y - 1, 3, 3) & cv::Rect({}, more.size());
+      int sum = 0;
+      for (const int count : more(around)) sum += count;
+      of_images(y, x) = sum <= 0 ? 1 : 0;
+    }
+  }
+  return of_images;
 }
 
 // The least mean square of the gradient over a window in any direction, grey levels² a px.
@@ -130,11 +139,11 @@ std::optional<inputs::Match> AskPart(const JudgedFrame& frame, const cv::Rect& p
 
 RowCheck CheckRows(const JudgedFrame& frame, const cv::Mat1b& confidence) {
   const cv::Size size = frame.filled.size();
-  const cv::Mat1b unranged = PartsWithoutRanges(frame.seeds, size);
+  const cv::Mat1b of_images = PartsOfImages(frame.seeds, size);
   std::array<std::optional<inputs::Match>, kParts> asked;
   ForEachParallel(asked.size(), [&](size_t i) {
     const auto part = static_cast<int>(i);
-    if (unranged.data[i] != 0) asked[i] = AskPart(frame, PartAt(part, size));
+    if (of_images.data[i] != 0) asked[i] = AskPart(frame, PartAt(part, size));
   });
   inputs::Matches matches;
   matches.most_rows_px = RowRules::kUpDown;
@@ -177,9 +186,9 @@ std::string BoundByRows(const JudgedFrame& frame, ConfidenceEstimator::Judgement
     sigmas(i) = counts == kMaxSigmaCounts || columns_px == 1 ? counts : SigmaToCounts(sigma_px);
   }
   const cv::Size size = frame.filled.size();
-  const cv::Mat1b unranged = PartsWithoutRanges(frame.seeds, size);
+  const cv::Mat1b of_images = PartsOfImages(frame.seeds, size);
   for (int i = 0; i < kParts; ++i) {
-    if (unranged.data[i] == 0) continue;
+    if (of_images.data[i] == 0) continue;
     cv::Mat1b confidence = judgement.confidence(PartAt(i, size));
     cv::Mat1b sigma = judgement.sigma(PartAt(i, size));
     cv::LUT(confidence, confidences, confidence);

@@ -18,8 +18,8 @@ struct RowCheck {
   double columns_px = 0;  ///< how far columns may be off, as rows are; 0: not significantly
 };
 
-/// Asks at one corner of each of 20×15 parts of the picture. Parts with a range point, and those
-/// beside them, are left out: there the map depends on the ranges, whatever the pair.
+/// Asks at one corner of each of 20×15 parts of the picture. Those with more range points than
+/// matches of stereo are left out: there the map depends on the ranges, whatever the pair.
 /// @param confidence  of the filled map, 255 · (1 − p).
 /// At most 1 ms on one core. No I/O; on OpenCV's threads, with the same result for any number.
 RowCheck CheckRows(const JudgedFrame& frame, const cv::Mat1b& confidence);

@@ -84,7 +84,7 @@ TEST(RowCheck, FindsTheShareThatIsRight) {
   EXPECT_NEAR(check.right_share, 0.5 + 3 * 0.5 / std::sqrt(280) / 0.6, 0.12);
   auto judged = wall.Claimed();
   EXPECT_THAT(BoundByRows(wall.Frame(), judged), testing::HasSubstr("78 % are claimed"));
-  EXPECT_NEAR(judged.confidence(100, 300), 255 * check.right_share / 0.9, 2);
+  EXPECT_NEAR(judged.confidence(100, 300), 255 * check.right_share / 0.8, 2);
   EXPECT_EQ(judged.sigma(100, 300), 4);
 }
 
