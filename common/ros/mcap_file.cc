@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -62,7 +63,8 @@ UnpackedFile UnpackFile(const fs::path& path, std::string_view magic) {
       is_full = out.pos == out.size && result != 0;  // at the end of a frame nothing is left inside
       if (unpacked.size == 0 && out.pos > 0 &&
           !std::string_view(block.data(), out.pos).starts_with(magic)) {
-        throw ConfigError(path.string() + ": no MCAP file in it");
+        const std::span begin(reinterpret_cast<const uint8_t*>(block.data()), out.pos);
+        throw ConfigError(path.string() + ": no MCAP file in it" + OtherBag(begin));
       }
       to.write(block.data(), static_cast<std::streamsize>(out.pos));
       unpacked.size += out.pos;

@@ -31,6 +31,11 @@ bool IsPart(const fs::path& path) {
   return !is_hidden && (name.ends_with(".mcap") || name.ends_with(".mcap.zstd"));
 }
 
+bool IsSqlite(const fs::path& path) {
+  const std::string name = path.filename();
+  return name.ends_with(".db3") || name.ends_with(".db3.zstd");
+}
+
 // What metadata.yaml names, whether it was unpacked since (as rosbag2 does to play it) or not.
 fs::path PartThere(const fs::path& part) {
   fs::path other = part;
@@ -46,7 +51,7 @@ std::vector<fs::path> PartsOfMetadata(const fs::path& folder, const fs::path& me
     for (const YAML::Node& file : bag["relative_file_paths"]) {
       // Old ones have the folder's name in front.
       const fs::path part = folder / fs::path(file.as<std::string>()).filename();
-      if (part.extension() == ".db3") throw ConfigError(part.string() + ": " + kOfSqlite);
+      if (IsSqlite(part)) throw ConfigError(part.string() + ": " + kOfSqlite);
       parts.push_back(PartThere(part));
       if (!fs::exists(parts.back())) {
         throw ConfigError(metadata.string() + " names " + part.filename().string() +
@@ -67,7 +72,7 @@ std::vector<fs::path> PartsOf(const fs::path& folder) {
   bool has_sqlite = false;
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (IsPart(entry.path())) parts.push_back(entry.path());
-    has_sqlite = has_sqlite || entry.path().extension() == ".db3";
+    has_sqlite = has_sqlite || IsSqlite(entry.path());
   }
   // The packed form of a part that is there twice is left out.
   std::ranges::sort(parts);
@@ -253,12 +258,14 @@ bool McapReader::has_ended() const { return std::ranges::all_of(files_, &McapFil
 
 std::vector<fs::path> McapParts(std::string_view bag) {
   std::error_code failed;
+  const fs::path path(bag);
   try {
+    if (path.filename() == "metadata.yaml") return PartsOfMetadata(path.parent_path(), path);
     if (fs::is_directory(bag, failed)) return PartsOf(bag);
   } catch (const fs::filesystem_error& e) {
     throw ConfigError(std::string(bag) + ": " + e.code().message());
   }
-  if (fs::exists(bag, failed)) return {fs::path(bag)};
+  if (fs::exists(bag, failed)) return {path};
   std::vector<fs::path> parts;
   for (const std::string_view part : SplitAt(',', bag)) parts.emplace_back(part);
   return parts;

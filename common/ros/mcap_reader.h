@@ -116,8 +116,8 @@ class McapReader {
   int64_t chunks_ = 0;
 };
 
-/// The files of a bag: of a folder those that rosbag2's metadata.yaml in it names or, without one,
-/// all *.mcap and *.mcap.zstd; of "a.mcap,b.mcap" both; else the file itself.
+/// The files of a bag: of a folder, or of rosbag2's metadata.yaml in it, those that this names or,
+/// without one, all *.mcap and *.mcap.zstd; of "a.mcap,b.mcap" both; else the file itself.
 /// @throws ConfigError naming the folder that has none, or what of it is missing.
 std::vector<std::filesystem::path> McapParts(std::string_view bag);
 

@@ -134,6 +134,8 @@ TEST_F(McapPartsTest, AreThoseThatMetadataNames) {
   fs::remove(folder_ / "bag_0.mcap");
   McapReader reader(McapParts((folder_ / "").string()));
   EXPECT_EQ(ReadAll(reader).times, Times(0, 200, 1));
+  const std::string metadata = folder_ / "metadata.yaml";
+  EXPECT_EQ(McapParts(metadata), McapParts((folder_ / "").string()));
   fs::remove(folder_ / "bag_1.mcap");
   EXPECT_THAT([&] { McapParts((folder_ / "").string()); },
               testing::ThrowsMessage<ConfigError>(
@@ -195,7 +197,14 @@ TEST_F(McapPartsTest, OfOtherBagsSayWhatMakesMcapOfThem) {
   WriteBytes(folder_ / "packed.mcap.zstd", Bytes());
   Pack(folder_ / "a.bag", folder_ / "packed.mcap.zstd");
   EXPECT_THAT([&] { McapReader(fs::path(folder_ / "packed.mcap.zstd")); },
-              testing::ThrowsMessage<ConfigError>(HasSubstr("no MCAP file in it")));
+              testing::ThrowsMessage<ConfigError>(HasSubstr("no MCAP file in it: a bag of ROS 1")));
+  fs::remove(folder_ / "bag/bag_0.db3");
+  std::ofstream(folder_ / "bag/bag_0.db3.zstd") << "packed";
+  const auto is_sqlite = testing::ThrowsMessage<ConfigError>(HasSubstr("a bag in SQLite"));
+  EXPECT_THAT([&] { McapParts((folder_ / "bag").string()); }, is_sqlite);
+  std::ofstream(folder_ / "bag/metadata.yaml")
+      << "rosbag2_bagfile_information:\n  relative_file_paths:\n    - bag_0.db3.zstd\n";
+  EXPECT_THAT([&] { McapParts((folder_ / "bag").string()); }, is_sqlite);
 }
 
 TEST(McapMessages, ThatArePackedByThemselvesComeOut) {
