@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "common/core/image.h"
 #include "common/core/input_files.h"
@@ -161,6 +162,24 @@ std::optional<Header> ReadHeader(const std::filesystem::path& path) {
   return header;
 }
 
+// What people give for an image, to stand behind what it is not; empty: none that is known.
+std::string OtherFormat(const std::filesystem::path& path) {
+  using namespace std::string_view_literals;
+  constexpr std::pair<std::string_view, const char*> kOthers[] = {
+      {"\x93NUMPY"sv, " (a NumPy array; cv2.imwrite makes a TIFF of it)"},
+      {"PK\x03\x04"sv, " (an archive: .npz or .zip)"},
+      {"version https://git-lfs"sv, " (a pointer of Git LFS; git lfs pull gets the file)"},
+      {"PF\n"sv, " (a PFM in colour)"},
+      {"Pf\n"sv, " (a PFM)"},
+      {"RIFF"sv, " (WebP)"},
+      {"\x76\x2f\x31\x01"sv, " (OpenEXR)"}};
+  const std::string begin = FileBytes(path).At(0, 32);
+  for (const auto& [magic, name] : kOthers) {
+    if (begin.starts_with(magic)) return name;
+  }
+  return "";
+}
+
 std::string NamesOf(std::initializer_list<ImageFormat> formats) {
   std::string names;
   for (const ImageFormat& format : formats) {
@@ -183,7 +202,9 @@ Result<CameraImage> Decode(const std::filesystem::path& path, int flags,
   if (!std::filesystem::is_regular_file(path, ignored)) return undecodable;  // a pipe would wait
   NoteInputFile(path);
   const std::optional<Header> header = ReadHeader(path);
-  if (!header || std::ranges::find(formats, header->format) == formats.end()) return undecodable;
+  if (!header)
+    return Fail(name + "cannot be decoded" + WhyClosed(path) + OtherFormat(path) + allowed);
+  if (std::ranges::find(formats, header->format) == formats.end()) return undecodable;
   if (header->has_more_pages) {
     return Fail(name + "has several pages, of which one would be taken; allowed: one");
   }

@@ -167,6 +167,10 @@ TEST_F(ReadImageFile, NamesWhatCannotBeDecoded) {
   EXPECT_THAT(ErrorOf(folder_ / ""), HasSubstr(reason));
   std::ofstream(File("text.png")) << "text";
   EXPECT_THAT(ErrorOf(File("text.png")), HasSubstr(reason));
+  std::ofstream(File("a.npy"), std::ios::binary) << "\x93NUMPY\x01";
+  EXPECT_THAT(ErrorOf(File("a.npy")), HasSubstr("cannot be decoded (a NumPy array; cv2.imwrite"));
+  std::ofstream(File("a.png")) << "version https://git-lfs.github.com/spec/v1\n";
+  EXPECT_THAT(ErrorOf(File("a.png")), HasSubstr("(a pointer of Git LFS; git lfs pull gets"));
   const std::string cut = Write("cut.png", CV_8UC1);
   std::filesystem::resize_file(cut, 30);
   EXPECT_THAT(ErrorOf(cut), HasSubstr(reason));
