@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "common/app/output_paths.h"
@@ -141,11 +142,26 @@ int RunBoard(const Options& options) {
   return 0;
 }
 
-// Shows the board's views, file by file.
+// What the images without a board show instead, and what was looked for.
+std::string LookedForText(const ViewCollector& collector, const Board& board) {
+  const std::string seen = SeenBoards(collector.strange());
+  return fmt::format("found {}; looked for a {} (--board, --squares, --dictionary)",
+                     seen.empty() ? "no board at all" : seen, BoardText(board.size()));
+}
+
+// Shows the board's views, file by file. That the first images are without it is said before all
+// others are searched: OpenCV takes up to a second for an image that lacks the chessboard.
 ViewCollector Collect(const Board& board, const Options& options) {
   ViewCollector collector(board);
   Progress progress(/*quiet=*/false);
   const auto show = [&](const fs::path& input) {
+    const int tried = collector.counts().images;
+    const bool none_seen = tried == collector.counts().no_board;
+    if (none_seen && std::cmp_equal(tried, ViewCollector::kMaxStrange + 1)) {
+      progress.Clear();
+      std::cerr << fmt::format("sprout-calibrate: the first {} images are without the board: {}\n",
+                               tried, LookedForText(collector, board));
+    }
     progress.Show(fmt::format("{}: {}", input.string(),
                               CountsText(collector.counts(), collector.views().size())));
   };
@@ -179,9 +195,7 @@ std::runtime_error NoCalibration(const std::string& why, const ViewCollector& co
   const ViewCounts& counts = collector.counts();
   std::string text = fmt::format("{} ({})", why, CountsText(counts, collector.views().size()));
   if (2 * counts.no_board > counts.images) {
-    const std::string seen = SeenBoards(collector.strange());
-    text += fmt::format("; found {}; looked for a {} (--board, --squares, --dictionary)",
-                        seen.empty() ? "no board at all" : seen, BoardText(BoardOf(board).size()));
+    text += "; " + LookedForText(collector, BoardOf(board));
   }
   if (counts.foreign > 0) {
     text += fmt::format(

@@ -282,5 +282,16 @@ TEST_F(CalibrateProgram, SaysThatTheBoardIsNotThereOrAnotherOne) {
                 "the left camera sees 6 corners of the board in 3 views: 5 are needed at least");
 }
 
+TEST_F(CalibrateProgram, SaysEarlyThatTheBoardIsAnotherOne) {
+  const MainOutcome outcome = RunCalibrate(
+      {"estimate", WriteLog("raw.lcm", 5), "--squares", "5x7", "--out", File("out.textproto")});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err,
+              testing::AllOf(
+                  HasSubstr("the first 4 images are without the board: found 27 markers of "
+                            "DICT_4X4_250; looked for a ChArUco board of 5x7 squares"),
+                  HasSubstr("no image can be used (5 images: 0 views used, 5 without the board")));
+}
+
 }  // namespace
 }  // namespace sprout::calibrate
