@@ -219,6 +219,11 @@ Result<LensFit> ToLens(const ForeignCamera& camera) {
     return Fail(fmt::format("{}: its camera matrix has a skew of {:g} px; allowed: 0", camera.name,
                             skew_px));
   }
+  if (!camera.k.row(2).isApprox(Eigen::RowVector3d(0, 0, 1))) {
+    return Fail(camera.name +
+                ": the last row of its camera matrix is not 0, 0, 1: is it "
+                "transposed, as Matlab's IntrinsicMatrix?");
+  }
   // With other counts OpenCV asserts. None: no distortion, which a fisheye lens always has.
   constexpr std::array<size_t, 6> kCounts = {0, 4, 5, 8, 12, 14};
   const size_t count = camera.distortion.size();

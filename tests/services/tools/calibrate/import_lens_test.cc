@@ -60,6 +60,8 @@ TEST(ImportLens, RefusesWhatNoModelOfOpencvHas) {
   EXPECT_EQ(WhyNot(ToLens(camera)), "");
   camera.k(0, 1) = 0.5;
   EXPECT_EQ(WhyNot(ToLens(camera)), "cam0: its camera matrix has a skew of 0.5 px; allowed: 0");
+  camera.k << 500, 0, 0, 0, 500, 0, 320, 240, 1;
+  EXPECT_THAT(WhyNot(ToLens(camera)), HasSubstr("is it transposed, as Matlab's"));
 }
 
 TEST(ImportLens, OtherModelsAreFittedWhereBrownsIsAsGood) {
