@@ -68,11 +68,18 @@ Result<Encoding> FindEncoding(const RosImage& ros, std::span<const Encoding> kno
 // A view of its bytes, in this machine's byte order.
 Result<cv::Mat> ViewOf(const RosImage& ros, int type) {
   const int64_t least = int64_t{CV_ELEM_SIZE(type)} * SideOf(ros.width);
+  // Colour that is called grey would be stretched rows of every third column.
+  constexpr int64_t kLongestPadding = 256;
+  const bool is_colour = ros.step == 3 * least || ros.step == 4 * least;
+  const bool is_other = is_colour && CV_ELEM_SIZE(type) == 1 && least > kLongestPadding;
   Checks checks;
   checks.Side("width", SideOf(ros.width))
       .Side("height", SideOf(ros.height))
       .Pixels("width × height", SideOf(ros.width), SideOf(ros.height))
       .Require(ros.step >= least, "step", ros.step, "at least " + std::to_string(least))
+      .Require(!is_other, "step", ros.step,
+               fmt::format("{}, or little more: are there more channels than in '{}'?", least,
+                           RosText(ros.encoding)))
       .Require(ros.data._length == uint64_t{ros.step} * ros.height, "data length", ros.data._length,
                "step × height");
   if (!checks.ok()) return checks.error();
@@ -131,7 +138,29 @@ bool AllFinite(const double (&values)[kSize]) {
 constexpr double kWorstFitPx = 0.5;
 
 constexpr char kFocalLength[] = "a focal length > 0 (0: the camera is not calibrated)";
-constexpr char kWholeImage[] = "0: the whole image";
+
+// Size, K and P of the image itself, which may be a part (roi) of what was calibrated, and binned;
+// d stays that of `whole`. As everywhere in ROS, c becomes c over the binning.
+RosCameraInfo OfTheImage(const RosCameraInfo& whole) {
+  RosCameraInfo image = whole;
+  const auto shrink = [&](uint32_t& side, uint32_t part, uint32_t offset, uint32_t binning,
+                          size_t row) {
+    const uint32_t pixels = std::max<uint32_t>(binning, 1);
+    side = (part > 0 ? part : side) / pixels;
+    image.k[3 * row + 2] -= offset;
+    image.p[4 * row + 2] -= offset;
+    for (size_t i = 0; i < 3; ++i) image.k[3 * row + i] /= pixels;
+    for (size_t i = 0; i < 4; ++i) image.p[4 * row + i] /= pixels;
+  };
+  shrink(image.width, whole.roi.width, whole.roi.x_offset, whole.binning_x, 0);
+  shrink(image.height, whole.roi.height, whole.roi.y_offset, whole.binning_y, 1);
+  return image;
+}
+
+// Whether a part, in px of the whole side, lies within it; 0: it is the whole side.
+bool IsWithin(uint32_t part, uint32_t offset, uint32_t side) {
+  return part > 0 ? uint64_t{part} + offset <= side : offset == 0;
+}
 
 // K and D as Brown's model has them, or comes near them; without coefficients every model is a
 // pinhole.
@@ -283,7 +312,9 @@ Result<RosPose> FromRosTransform(const RosTransform& ros) {
                  .parent_from_child = {rotation, place_m}};
 }
 
-Result<RosCamera> FromRosInfo(const RosCameraInfo& ros, bool is_rectified) {
+Result<RosCamera> FromRosInfo(const RosCameraInfo& whole, bool is_rectified) {
+  const auto& roi = whole.roi;
+  const RosCameraInfo ros = OfTheImage(whole);
   Checks checks;
   checks.Side("width", SideOf(ros.width))
       .Side("height", SideOf(ros.height))
@@ -292,10 +323,10 @@ Result<RosCamera> FromRosInfo(const RosCameraInfo& ros, bool is_rectified) {
       .Require(AllFinite(ros.p), "p", "not finite", "finite numbers")
       .Require(!is_rectified || ros.p[0] > 0, "p[0]", ros.p[0], kFocalLength)
       .Require(!is_rectified || ros.p[5] > 0, "p[5]", ros.p[5], kFocalLength)
-      .Require(ros.binning_x <= 1, "binning_x", ros.binning_x, "0 and 1")
-      .Require(ros.binning_y <= 1, "binning_y", ros.binning_y, "0 and 1")
-      .Require(ros.roi.x_offset == 0, "roi.x_offset", ros.roi.x_offset, kWholeImage)
-      .Require(ros.roi.y_offset == 0, "roi.y_offset", ros.roi.y_offset, kWholeImage);
+      .Require(IsWithin(roi.width, roi.x_offset, whole.width), "roi.x_offset", roi.x_offset,
+               fmt::format("a part of the {} columns", whole.width))
+      .Require(IsWithin(roi.height, roi.y_offset, whole.height), "roi.y_offset", roi.y_offset,
+               fmt::format("a part of the {} rows", whole.height));
   if (!checks.ok()) return checks.error();
   RosCamera camera{.width = SideOf(ros.width),
                    .height = SideOf(ros.height),
@@ -330,6 +361,9 @@ Result<RectifiedPair> PairOf(const RosCamera& left, const RosCamera& right) {
                right.focal_v_px, "that of the left camera: a rectified pair")
       .Require(std::abs(left.cy - right.cy) < kSamePx, "right p[6]", right.cy,
                "that of the left camera: a rectified pair")
+      .Require(right.tx != left.tx, "right p[3]", right.tx,
+               "−f·b, other than the left camera's: no baseline is known of cameras that were "
+               "calibrated one by one, and none can be used of cameras above each other")
       .Require(right.tx < left.tx, "right p[3]", right.tx,
                fmt::format("−f·b, below the left camera's, {:g}; are they swapped?", left.tx));
   if (!checks.ok()) return checks.error();

@@ -65,7 +65,8 @@ struct RosCamera {
   }
 };
 
-/// A camera that has been calibrated, neither binned nor cropped, of any lens model.
+/// A camera that has been calibrated, of any lens model; of an image that is binned or a part (roi)
+/// of what was calibrated, the camera that sees just this.
 /// @param is_rectified  its images are, so P[0] > 0 is required; else `lens` says whether K is
 /// usable.
 Result<RosCamera> FromRosInfo(const RosCameraInfo& ros, bool is_rectified = true);

@@ -125,6 +125,9 @@ TEST(FromRos, RefusesImagesThatCannotBe) {
               HasSubstr("step = 3: allowed is at least 4"));
   EXPECT_THAT(ErrorOf(FromRosImage(*Image("mono8", {4, 2}, 4, {1, 2, 3, 4}))),
               HasSubstr("data length = 4: allowed is step × height"));
+  EXPECT_THAT(ErrorOf(FromRosImage(*Image("mono8", {300, 1}, 900, std::vector<uint8_t>(900, 7)))),
+              HasSubstr("step = 900: allowed is 300, or little more: are there more channels"));
+  EXPECT_TRUE(FromRosImage(*Image("mono8", {300, 1}, 600, std::vector<uint8_t>(600, 7))));
   auto huge = Image("mono8", {4, 1}, 4, {1, 2, 3, 4});
   huge->width = 0xffffffff;
   EXPECT_THAT(ErrorOf(FromRosImage(*huge)), HasSubstr("width = 2147483647: allowed is 1 to 16384"));

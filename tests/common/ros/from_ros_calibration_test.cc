@@ -116,9 +116,37 @@ TEST(FromRos, NamesTheFieldThatIsWrong) {
   EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("p[5] = 0: allowed is a focal length > 0"));
   info = ToRosLeftInfo(Place(), examples::Rig().pair);
   info->roi.y_offset = 20;
-  EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("roi.y_offset = 20: allowed is 0"));
+  info->roi.height = info->height;
+  EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("roi.y_offset = 20: allowed is a part of"));
+}
+
+TEST(FromRos, ABinnedOrCroppedImageHasItsPartOfTheCalibration) {
+  auto info = ToRosLeftInfo(Place(), examples::Rig().pair);
+  const uint32_t width = info->width;
+  info->roi.x_offset = 40;
+  info->roi.width = width - 40;
+  info->binning_x = 2;
   info->binning_y = 2;
-  EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("binning_y = 2: allowed is 0 and 1"));
+  info->p[3] = -60;
+  const Result<RosCamera> camera = FromRosInfo(*info);
+  ASSERT_TRUE(camera) << ErrorOf(camera);
+  EXPECT_EQ(camera->size(),
+            cv::Size(static_cast<int>((width - 40) / 2), static_cast<int>(info->height / 2)));
+  EXPECT_EQ(camera->focal_px, info->p[0] / 2);
+  EXPECT_EQ(camera->cx, (info->p[2] - 40) / 2);
+  EXPECT_EQ(camera->cy, info->p[6] / 2);
+  EXPECT_EQ(camera->tx, -30);
+  ASSERT_TRUE(camera->lens);
+  EXPECT_EQ(camera->lens->fy, info->k[4] / 2);
+  EXPECT_EQ(camera->lens->cx, (info->k[2] - 40) / 2);
+  info->roi.width = width;
+  EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("roi.x_offset = 40: allowed is a part of"));
+}
+
+TEST(FromRos, APairWithoutABaselineIsNoneThatIsSwapped) {
+  const auto info = ToRosLeftInfo(Place(), examples::Rig().pair);
+  EXPECT_THAT(ErrorOf(PairOf(*FromRosInfo(*info), *FromRosInfo(*info))),
+              HasSubstr("no baseline is known of cameras that were calibrated one by one"));
 }
 
 TEST(FromRos, TakesARectificationThatIsLeftOutOrRounded) {
