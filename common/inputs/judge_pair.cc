@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -60,6 +61,12 @@ struct PairRules {
   static constexpr int kFewCompared = 25;
   static constexpr double kRangesAgree = 0.7;
   static constexpr double kRangesDisagree = 0.3;
+  /// Ranges speak for columns that are moved alike by so many px at least (less may be the device's
+  /// own error) with so many matches, of which so many are close, and surely fewer otherwise.
+  static constexpr double kMinAsidePx = 4;
+  static constexpr int kSomeCompared = 40;
+  static constexpr double kMostAreClose = 0.7;
+  static constexpr double kSureAside = 3;  ///< standard deviations
 };
 
 // Whether more matches agree than would by chance.
@@ -219,7 +226,24 @@ std::optional<Estimate> ColumnsOff(const PairModel& model, int width) {
   return Estimate{off_px, sigma_px};
 }
 
-Finding JudgeRows(const PairModel& model, int width) {
+// Whether columns that are moved alike explain the ranges, and nothing else does, as a factor of
+// the ranges before a flat wall.
+bool AreColumnsAside(const RangeModel& ranges) {
+  const Agreement& aside = ranges.aside;
+  const auto explains_more_than = [&](const Agreement* other) {
+    return other->close_share() < aside.close_share() / 2 ||
+           MoreAgree(aside, *other, Vote::kIsClose) >= PairRules::kSureAside;
+  };
+  return aside.compared >= PairRules::kSomeCompared &&
+         std::abs(aside.with.columns_px) >= PairRules::kMinAsidePx &&
+         aside.close_share() >= PairRules::kMostAreClose &&
+         std::ranges::all_of(
+             std::array{&ranges.as_is, &ranges.scaled, &ranges.inverse, &ranges.turned,
+                        &ranges.moved, &ranges.shifted, &ranges.spread, &ranges.swapped},
+             explains_more_than);
+}
+
+Finding JudgeRows(const PairModel& model, const RectifiedPair& pair, const RangeModel* ranges) {
   Finding finding{
       .question = Question::kRows, .value = model.worst_px.value, .sigma = model.worst_px.sigma};
   const double off = std::abs(finding.value);
@@ -230,13 +254,24 @@ Finding JudgeRows(const PairModel& model, int width) {
     finding.sigma = estimate.sigma;
     finding.text = std::move(text);
   };
-  if (!are_off && RowsAreBent(model)) {
+  if (ranges != nullptr && AreColumnsAside(*ranges)) {
+    const Estimate rest_px = MedianOf(ranges->aside.offs_px);
+    const double columns_px = ranges->aside.with.columns_px;
+    say_bad(
+        {columns_px, rest_px.sigma},
+        fmt::format("columns of the right image lie {:.1f} ± {:.2f} px further {} than ranges "
+                    "say (then {:.0f} % of these are within 1 % of stereo, as it is {:.0f} %): "
+                    "was an image cropped (cx_right {:.1f}, not {:.1f}), or is a camera turned?",
+                    std::abs(columns_px), rest_px.sigma, columns_px < 0 ? "left" : "right",
+                    100 * ranges->aside.close_share(), 100 * ranges->as_is.close_share(),
+                    pair.cx_right + columns_px, pair.cx_right));
+  } else if (!are_off && RowsAreBent(model)) {
     say_bad(model.bent_px,
             fmt::format(
                 "rows of the right image are bent against those of the left one, by up to {:+.2f} "
                 "± {:.2f} px ({} are allowed): rectify the pair, with the distortion of its lenses",
                 model.bent_px.value, model.bent_px.sigma, PairRules::kMaxRowsPx));
-  } else if (const std::optional<Estimate> columns_px = ColumnsOff(model, width)) {
+  } else if (const std::optional<Estimate> columns_px = ColumnsOff(model, pair.width)) {
     say_bad(*columns_px,
             fmt::format(
                 "the right image shows things {:+.2f} ± {:.2f} % larger, so columns at its sides "
@@ -354,7 +389,7 @@ Findings JudgePair(const cv::Mat1b& left, const cv::Mat1b& right, const Rectifie
   if (is_one_scene && model.inliers.size() >= PairRules::kFewInliers) {
     findings.push_back(JudgeTime(model));
     findings.push_back(JudgeSides(left, right, pair, model, ranges));
-    findings.push_back(JudgeRows(model, left.cols));
+    findings.push_back(JudgeRows(model, pair, ranges));
   } else {
     for (const Question question : {Question::kTime, Question::kSides, Question::kRows}) {
       findings.push_back(CannotTell(question));

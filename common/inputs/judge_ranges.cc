@@ -62,7 +62,8 @@ constexpr UnitRow kUnits[] = {
     {0.3048, "are they in feet, and read as m, or in 1/1000 foot, and read as mm?",
      "0.3048 or 0.0003048"},
 };
-constexpr UnitRow kOtherUnit = {1, "do focal length and baseline belong to these images?", ""};
+constexpr UnitRow kOtherUnit = {
+    1, "do focal length and baseline, and the principal points, belong to these images?", ""};
 
 const UnitRow& UnitOf(double factor, double sigma) {
   const UnitRow* best = &kOtherUnit;

@@ -109,9 +109,11 @@ class Comparison {
                      .in_both = static_cast<int>(in_both),
                      .votes = std::vector<Vote>(matches_.size(), Vote::kNone),
                      .logs = {},
+                     .offs_px = {},
                      .offsets_m = {}};
     for (size_t i = 0; i < matches_.size(); ++i) {
-      const double stereo = matches_[i].disparity() + pair.cx_right - pair.cx;
+      const double stereo =
+          matches_[i].disparity() + pair.cx_right - pair.cx + hypothesis.columns_px;
       if (stereo < RangeRules::kMinDisparityPx) continue;
       const std::optional<double> range = grid.SurfaceAt(cv::Point2f(matches_[i].left));
       if (!range) continue;
@@ -124,6 +126,7 @@ class Comparison {
                                        : Vote::kDisagrees;
       ++result.compared;
       result.logs.push_back(std::log(*range / stereo));
+      result.offs_px.push_back(*range - stereo);
       if (off <= close) ++result.close;
       if (off > loose) continue;
       ++result.agreeing;
@@ -184,6 +187,29 @@ double BestFactor(const std::vector<double>& logs) {
     if (std::abs(value - middle) < 2 / RangeRules::kBinsPerE) near.push_back(value);
   }
   return near.empty() ? 1 : std::exp(Median(near));
+}
+
+// The middle of where most of the numbers lie within 2 px.
+double ModeOf(std::vector<double> offs_px) {
+  constexpr double kWithinPx = 2;
+  std::ranges::sort(offs_px);
+  size_t begin = 0;
+  size_t count = 0;
+  for (size_t first = 0, end = 0; first < offs_px.size(); ++first) {
+    while (end < offs_px.size() && offs_px[end] <= offs_px[first] + kWithinPx) ++end;
+    if (end - first <= count) continue;
+    begin = first;
+    count = end - first;
+  }
+  return offs_px[begin + count / 2];
+}
+
+// An image that was cropped, or a camera that is turned, moves all columns alike.
+Agreement BestAside(const Comparison& comparison, std::span<const RangePixel> pixels, int width) {
+  const double beyond_all = width;  // of disparities below 1 px none is compared
+  const Agreement all = comparison.Compare(pixels, {.columns_px = beyond_all});
+  if (all.compared == 0) return {};
+  return comparison.Compare(pixels, {.columns_px = beyond_all + ModeOf(all.offs_px)});
 }
 
 // Ranges of another unit are seen from elsewhere, so the factor is found in two steps.
@@ -353,6 +379,7 @@ RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
     model.inverse = BestInverse(comparison, pixels, MedianDistance(matches, pair));
     const std::vector<Match> swapped = Swapped(matches);
     model.swapped = Comparison(swapped, projector).Compare(pixels, {});
+    model.aside = BestAside(comparison, pixels, pair.width);
   }
   if (model.as_is.close_share() < RangeRules::kClose) {
     model.shifted = BestShifted(comparison, Chosen(all, RangeRules::kMaxTurned), pair.width);

@@ -47,6 +47,7 @@ struct Hypothesis {
   double ahead_m = 0;            ///< the points are moved ahead,
   cv::Point2d move_px = {0, 0};  ///< or in the picture,
   cv::Point2d spread = {1, 1};   ///< or their rays spread right and down, see RangeModel::spread
+  double columns_px = 0;         ///< or the disparities of all matches are so much larger
 };
 
 /// How well range points and stereo agree then.
@@ -57,8 +58,9 @@ struct Agreement {
   int compared = 0;
   int agreeing = 0;  ///< of them, closely or not
   int close = 0;
-  std::vector<Vote> votes;        ///< one a match
-  std::vector<double> logs;       ///< of those compared: ln(z_stereo / z_range)
+  std::vector<Vote> votes;      ///< one a match
+  std::vector<double> logs;     ///< of those compared: ln(z_stereo / z_range)
+  std::vector<double> offs_px;  ///< of those compared: disparity of the range − that of the match
   std::vector<double> offsets_m;  ///< of those that agree: z_range − z_stereo
 
   double share() const { return compared == 0 ? 0 : static_cast<double>(agreeing) / compared; }
@@ -89,6 +91,7 @@ struct RangeModel {
   /// close: both alike, or such that pixels are square.
   Agreement spread;
   Agreement swapped;  ///< if as_is is not good: with the left image for the right one
+  Agreement aside;    ///< if as_is is not good: of columns moved alike the best
   /// Over the matches that agree with `scaled`, or if it is empty with `as_is`: median of z_range /
   /// z_stereo, of z_range − z_stereo, m, and their standard deviations.
   Estimate ratio = {1, 0};

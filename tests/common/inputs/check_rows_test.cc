@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -61,6 +62,18 @@ TEST(CheckRows, SeesADistortionThatWasNotRemoved) {
     cv::undistort(parts.right, distorted, camera, cv::Vec4d(k1, 0, 0, 0));
     parts.right = distorted;
     ExpectBad(parts, Question::kRows, "the distortion of its lenses");
+  }
+}
+
+TEST(CheckRows, SaysByHowMuchColumnsAreAsideOfRanges) {
+  for (const int columns : {-12, 12}) {
+    Parts parts = SceneOf();
+    const double right = parts.rig.pair.cx_right;
+    parts.rig.pair.cx_right += columns;
+    ExpectBad(parts, Question::kRows,
+              fmt::format("further {} than ranges say", columns > 0 ? "left" : "right"));
+    ExpectBad(parts, Question::kRows,
+              fmt::format("(cx_right {:.1f}, not {:.1f})", right, right + columns));
   }
 }
 
