@@ -45,6 +45,8 @@ struct Finding {
   std::string flag = {};
   /// Of kHits: the only thing that is bad is that ranges of exactly this, m, are none; else 0.
   float no_return_m = 0;
+  /// Of kSides: a tenth of the matches has a larger disparity, px of the images; 0: not known.
+  double near_px = 0;
 };
 
 /// "scene", "time", "sides", "rows", "bits", "contrast", "hits", "place", "scale", "moment".

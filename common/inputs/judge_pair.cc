@@ -167,6 +167,9 @@ bool AreOnePicture(const std::vector<Match>& matches) {
 Finding JudgeSides(const cv::Mat1b& left, const cv::Mat1b& right, const RectifiedPair& pair,
                    const PairModel& model, const RangeModel* ranges) {
   Finding finding{.question = Question::kSides};
+  std::vector<double> disparities;
+  for (const Match& match : model.inliers) disparities.push_back(match.disparity());
+  finding.near_px = Quantile(disparities, 0.9);
   const double infinity_px = pair.cx_right - pair.cx;
   const double behind = ShareBehind(model.inliers, infinity_px, 1);
   const double behind_if_swapped = ShareBehind(model.inliers, infinity_px, -1);

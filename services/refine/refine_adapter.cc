@@ -15,6 +15,7 @@
 #include "common/inputs/check_inputs.h"
 #include "services/refine/findings.h"
 #include "services/refine/range/range_bias.h"
+#include "services/refine/stereo/search_reach.h"
 
 namespace sprout::refine {
 
@@ -37,11 +38,6 @@ SeedCounts CountsOf(const StageResult& result) {
     }
   }
   return counts;
-}
-
-// The disparity of a point at infinity, rounded up; 0 where it is negative.
-int InfinityPx(const RectifiedPair& pair) {
-  return static_cast<int>(std::ceil(std::clamp<double>(pair.cx - pair.cx_right, 0, pair.width)));
 }
 
 }  // namespace
@@ -106,11 +102,15 @@ bool RefineAdapter::CheckInput(const Frame& frame) {
   const cv::Mat1b right = ToGrey(GreyestRight(frame), right_grey_);
   const TofProjector* const projector = has_tof ? &ProjectorOf(*frame.rig) : nullptr;
   const bool unwraps = has_tof && unambiguous_range_m_ > 0;
-  wrong_input_ = BadText(inputs::CheckInputs(
+  const inputs::Findings findings = inputs::CheckInputs(
       left, right,
       unwraps ? RangeUnwrapper().Unwrap(left, right, *frame.tof, *projector, unambiguous_range_m_)
               : *frame.tof,
-      frame.rig->pair, projector));
+      frame.rig->pair, projector);
+  wrong_input_ = BadText(findings);
+  if (!has_tof) {
+    wrong_input_ = JoinedTexts(wrong_input_, BeyondSearch(findings, config_, frame.rig->pair));
+  }
   return true;
 }
 

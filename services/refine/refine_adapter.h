@@ -17,7 +17,8 @@ namespace sprout::refine {
 class RefineAdapter : public StageAdapter {
  public:
   explicit RefineAdapter(const RefineConfig& config)
-      : inputs_(InputsOf(config)),
+      : config_(config),
+        inputs_(InputsOf(config)),
         refiner_(config),
         finds_stereo_seeds_(config.stereo_seeds()),
         aligns_tof_(config.align_tof()),
@@ -68,6 +69,7 @@ class RefineAdapter : public StageAdapter {
   TofOffsetStatus OffsetOf(const Frame& frame);
   bool CheckInput(const Frame& frame);
 
+  RefineConfig config_;
   PartSet inputs_;
   Refiner refiner_;
   TofAligner aligner_;  // for frames that are only looked at

@@ -28,6 +28,7 @@
 #include "services/pipeline/files/believe_nothing.h"
 #include "services/pipeline/files/write_results.h"
 #include "services/pipeline/pipeline.h"
+#include "services/refine/stereo/search_reach.h"
 #include "services/refine/unwrapping/range_unwrapper.h"
 
 namespace sprout {
@@ -178,6 +179,10 @@ Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline
     }
     std::string complaint = BadText(findings);
     complaint += LeaveOutRanges(findings, config.refine().stereo_seeds(), *frame->tof);
+    if (frame->tof->depth_m.empty()) {
+      complaint =
+          JoinedTexts(complaint, refine::BeyondSearch(findings, config.refine(), frame->rig->pair));
+    }
     Result<DepthFrame> depth =
         pipeline.Compute(frame->left, frame->right, *frame->tof, *frame->rig);
     if (!depth) return tl::unexpected(depth.error());

@@ -154,6 +154,17 @@ TEST_F(Files, InWhichNothingIsFoundAreWrong) {
   EXPECT_THAT(near.err, testing::EndsWith("left.png: 0 of 19200 pixels have a depth\n"));
 }
 
+TEST_F(Files, NearerThanStereoIsSearchedAreWrong) {
+  const std::vector<std::string> few = {"default", "refine { stereo_max_disparity_px: 5 }"};
+  const MainOutcome near = RunToEnd(options_, {}, few);
+  EXPECT_EQ(near.exit_code, 1);
+  EXPECT_THAT(
+      near.err,
+      HasSubstr(" px, and stereo is searched up to 5 px: near things need refine { stereo_max_"));
+  options_.tof = folder_ / "tof.png";
+  EXPECT_THAT(RunToEnd(options_, {}, few).err, testing::Not(HasSubstr("stereo is searched")));
+}
+
 TEST_F(Files, OfAVideoThatIsCutAreNotWrong) {
   const cv::Rect part(20, 10, 120, 100);
   Write("l/1.png", scene_.left);

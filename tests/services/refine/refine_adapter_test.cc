@@ -66,6 +66,17 @@ TEST(RefineAdapter, SaysOfTheFirstAndOfEachNthFrameWhatIsWrongWithItsInput) {
             std::get<SeedSet>(adapter.Process(frame).outputs.at(0).value));
 }
 
+TEST(RefineAdapter, SaysThatAPairIsNearerThanStereoIsSearched) {
+  RefineConfig config;
+  Scene scene = TexturedScene();
+  scene.tof = TofImage();
+  EXPECT_THAT(RefineAdapter(config).Process(FrameOf(scene)).degenerate,
+              testing::Not(HasSubstr("stereo is searched")));
+  config.set_stereo_max_disparity_px(2);
+  EXPECT_THAT(RefineAdapter(config).Process(FrameOf(scene)).degenerate,
+              HasSubstr("stereo is searched up to 2 px"));
+}
+
 // The boxes are within the unambiguous range, the wall is not.
 TEST(RefineAdapter, ChecksRangesBeyondTheUnambiguousOneWhereTheyAre) {
   BoxScene scene;
