@@ -33,9 +33,11 @@ struct RangeVerdicts {
   /// picture from 2.8 on.
   static constexpr double kShiftedSure = 3;
   static constexpr double kShiftedGain = 0.08;  ///< as kMovedGain, of moves in the picture
-  /// Neighbours that show noise: so many pairs at least, and the share of them that are apart (at
-  /// most 0.08 in a scene).
+  /// Neighbours that show noise: so many pairs at least, and such a share of the returns (0.08 of
+  /// KITTI's scans; points of two surfaces that meet in one place are 0.025), and the share of them
+  /// that are apart (at most 0.08 in a scene).
   static constexpr int kFewPairs = 100;
+  static constexpr double kPairsOfReturns = 0.05;
   static constexpr double kNoise = 0.5;
   /// Smaller moves may be a device's own error, which Refiner corrects or reports.
   static constexpr double kMinMoveM = 0.2;
@@ -194,7 +196,9 @@ std::string FaultOf(const RangeModel& model) {
         model.repeated.count, model.repeated.depth_m);
   }
   const double apart = Share(model.apart, model.pairs);
-  if (model.pairs >= RangeVerdicts::kFewPairs && apart > RangeVerdicts::kNoise) {
+  const double least_pairs = RangeVerdicts::kPairsOfReturns * model.returns;
+  if (model.pairs >= std::max<double>(RangeVerdicts::kFewPairs, least_pairs) &&
+      apart > RangeVerdicts::kNoise) {
     return fmt::format(
         "{:.0f} % of the ranges side by side differ by more than a tenth: is it noise, or are "
         "bytes in another order?",

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "common/scenes/tof_grid.h"
 #include "tests/common/core/centred.h"
 #include "tests/common/inputs/parts.h"
 
@@ -192,6 +193,24 @@ TEST(CheckInputs, SaysThatRangesAreNoise) {
   cv::RNG random(1);
   random.fill(parts.tof.depth_m, cv::RNG::UNIFORM, 1.0, 4.0);
   ExpectBad(parts, Question::kHits, "% of the ranges side by side differ by more than a tenth");
+}
+
+// A scanner that stands aside sees two surfaces in one direction of the camera.
+TEST(CheckInputs, TakesNoPointsOfTwoSurfacesForNoise) {
+  Parts parts = SceneOf("synthetic:640x480?tof=none");
+  const Parts dense = SceneOf("synthetic:640x480?tof=grid");
+  parts.tof.depth_m = cv::Mat1f(480, 640, 0.F);
+  int count = 0;
+  for (int v = 0; v < 480; v += 5) {
+    for (int u = 0; u < 640; u += 10) {
+      const float depth_m = dense.tof.depth_m(v / 10, u / 10);
+      parts.tof.depth_m(v, u) = depth_m;
+      if (++count % 50 == 0) parts.tof.depth_m(v, u + 1) = 1.5F * depth_m;
+    }
+  }
+  parts.rig.tof = scenes::TofGridCamera(parts.rig.pair, 1);
+  EXPECT_EQ(parts.Answer(Question::kHits).verdict, Verdict::kGood)
+      << parts.Answer(Question::kHits).text;
 }
 
 TEST(CheckInputs, SaysThatRangesAreOfAnotherMoment) {
