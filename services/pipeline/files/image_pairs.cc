@@ -129,6 +129,31 @@ void NoteOrder(const std::string& what, const PairedNames& paired,
       "{} belong together in the order of their names: nothing in these says more", what));
 }
 
+// Cameras that count from 0 and from 1 have equal numbers of different moments.
+void NoteShifted(const std::string& what, const PairedNames& paired,
+                 const std::vector<std::string>& first, const std::vector<std::string>& second,
+                 std::vector<std::string>& notes) {
+  const bool may_be = paired.by == PairedBy::kName && !paired.pairs.empty() &&
+                      !paired.alone_first.empty() && first.size() == second.size();
+  if (!may_be) return;
+  const auto are_before = [](const auto& alone, const auto& names, size_t from) {
+    return std::ranges::all_of(alone, [&](size_t i) { return ComesBefore(names[i], names[from]); });
+  };
+  const auto are_behind = [](const auto& alone, const auto& names, size_t to) {
+    return std::ranges::all_of(alone, [&](size_t i) { return ComesBefore(names[to], names[i]); });
+  };
+  const auto [first_begin, second_begin] = paired.pairs.front();
+  const auto [first_end, second_end] = paired.pairs.back();
+  const bool is_shifted = (are_before(paired.alone_first, first, first_begin) &&
+                           are_behind(paired.alone_second, second, second_end)) ||
+                          (are_behind(paired.alone_first, first, first_end) &&
+                           are_before(paired.alone_second, second, second_begin));
+  if (!is_shifted) return;
+  notes.push_back(fmt::format(
+      "{} are as many, and one begins earlier: are equal numbers of one moment? If not: rename one",
+      what));
+}
+
 std::vector<std::string> Texts(const std::vector<fs::path>& paths) {
   return {paths.begin(), paths.end()};
 }
@@ -162,6 +187,7 @@ void AddTof(bool named, const std::vector<fs::path>& lefts, const std::vector<fs
     }
     pairs.push_back(pair.left);
   }
+  NoteShifted("LEFT and --tof", paired, left_names, tof_names, found.notes);
   NoteAlone("LEFT", without, pairs, "have no ToF image, their pairs are computed without",
             found.notes);
   NoteAlone("--tof", paired.alone_second, tof_names, "have no left image and are not used",
@@ -247,6 +273,7 @@ ImagePairs ListPairs(const std::string& left, const std::string& right, const st
   }
   found.left_out = std::ssize(paired.alone_first) + std::ssize(paired.alone_second);
   NoteOrder("LEFT and RIGHT", paired, found.notes);
+  NoteShifted("LEFT and RIGHT", paired, left_names, right_names, found.notes);
   NoteAlone("LEFT", paired.alone_first, left_names, "have no right image and are left out",
             found.notes);
   NoteAlone("RIGHT", paired.alone_second, right_names, "have no left image and are left out",

@@ -175,6 +175,21 @@ TEST_F(FilesInput, OfNumbersComeInTheirOrder) {
   EXPECT_LT(two, out_.find("out/10:"));
 }
 
+TEST_F(FilesInput, ThatCountFromAnotherNumberAreAskedAbout) {
+  const Scene scene;
+  for (const int number : {8, 9, 10}) {
+    Write("l/" + std::to_string(number) + ".png", scene.left);
+    Write("r/" + std::to_string(number + 1) + ".png", scene.right);
+  }
+  options_.left = Path("l");
+  options_.right = Path("r");
+  EXPECT_EQ(Run(), 1);
+  EXPECT_THAT(err_, HasSubstr("LEFT and RIGHT are as many, and one begins earlier"));
+  fs::remove(Path("l/8.png"));  // left lost one: nothing is asked
+  EXPECT_EQ(Run(), 1);
+  EXPECT_THAT(err_, testing::Not(HasSubstr("as many")));
+}
+
 TEST_F(FilesInput, OfARangeCameraThatLacksSomeAreComputedWithout) {
   const Scene scene;
   for (const char* number : {"0", "1"}) {
