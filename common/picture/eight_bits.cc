@@ -15,6 +15,7 @@ constexpr int kValues = 1 << 16;
 constexpr int kLevels = 256;
 // Least share of the 256 levels that must be used: with less than 32 little is left to match.
 constexpr double kMinUse = 1.0 / 8;
+constexpr char kSwapped[] = "no low byte is above 63: are the bytes in the other order?";
 constexpr double kIgnored = 0.001;  // at either end: single hot and dead pixels
 
 std::vector<int64_t> Histogram(std::initializer_list<CameraImage*> images) {
@@ -49,6 +50,19 @@ int Largest(const std::vector<int64_t>& counts) {
   return value;
 }
 
+// Whether low bytes are as high ones of up to 14 bits are, and high ones reach beyond them: bytes
+// in the other order, as of PGM files that were written low byte first.
+bool LookSwapped(const std::vector<int64_t>& counts, int64_t total) {
+  constexpr size_t kMostOfHigh = (1 << 14) / kLevels;
+  int64_t some = 0;  // of the low bytes are not 0
+  for (size_t value = 0; value < counts.size(); ++value) {
+    const size_t low = value % kLevels;
+    if (low >= kMostOfHigh && counts[value] > 0) return false;
+    if (low > 0) some += counts[value];
+  }
+  return 2 * some > total && Largest(counts) >= 1 << 14;
+}
+
 }  // namespace
 
 Result<void> CheckBits(int bits) {
@@ -61,12 +75,14 @@ EightBits::Range EightBits::RangeOf(std::initializer_list<CameraImage*> images) 
   int64_t total = 0;
   for (const int64_t count : counts) total += count;
   const int largest = Largest(counts);
+  const bool are_swapped = LookSwapped(counts, total);
   int bits = kMinBits;
   while ((1 << bits) <= largest) bits += 2;
   const double all = 1 << bits;
   const double low = Quantile(counts, total, kIgnored);
   const double used = Quantile(counts, total, 1 - kIgnored) - low + 1;
-  if (used >= kMinUse * all || bits == kMinBits) return {.low = 0, .width = all};
+  if (used >= kMinUse * all || bits == kMinBits)
+    return {.low = 0, .width = all, .are_swapped = are_swapped};
   const double width = std::max<double>(2 * used, kLevels);
   return {.low = std::max(0.0, low - (width - used) / 2), .width = width};
 }
@@ -82,8 +98,9 @@ void EightBits::LookAt(std::initializer_list<CameraImage*> images) {
   if (range_.width > 0 && (fits || (is_band && beyond <= range_.width / 2))) return;
   note_ = fmt::format(
       "{}pixels of 16 bits use {:.0f} to {:.0f}, which becomes 0 to 255; if that is wrong: --bits, "
-      "or &bits= of a source",
-      range_.width > 0 ? "brightness changes: " : "", used.low, used.low + used.width - 1);
+      "or &bits= of a source{}{}",
+      range_.width > 0 ? "brightness changes: " : "", used.low, used.low + used.width - 1,
+      used.are_swapped ? "; " : "", used.are_swapped ? kSwapped : "");
   range_ = used;
 }
 
@@ -119,6 +136,10 @@ void EightBits::Convert(std::initializer_list<CameraImage*> images) {
   } else if (any_has_more && (by_format == 0 || by_format == kValues - 1)) {  // any value at all
     LookAt(images);
     range = range_;
+  } else if (any_has_more && !said_misfit_ && RangeOf(images).are_swapped) {
+    said_misfit_ = true;
+    note_ = fmt::format("pixels of 16 bits use more than the format's 0 to {}, and {}", by_format,
+                        kSwapped);
   }
   for (CameraImage* image : images) {
     cv::Mat& pixels = image->pixels;

@@ -41,7 +41,8 @@ class EightBits {
  private:
   struct Range {
     double low = 0;
-    double width = 0;  // number of values; 0: not known yet
+    double width = 0;          // number of values; 0: not known yet
+    bool are_swapped = false;  // bytes of the pixels, as it seems
     bool operator==(const Range&) const = default;
   };
 

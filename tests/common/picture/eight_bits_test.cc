@@ -46,6 +46,26 @@ TEST(EightBits, SayOnceThatBitsOf8BitImagesChangeNothing) {
   }
 }
 
+TEST(EightBits, SayThatBytesSeemToBeInTheOtherOrder) {
+  const auto note_of = [](const cv::Mat1w& pixels, int largest = 0) {
+    CameraImage image{pixels.clone(), largest};
+    EightBits eight_bits;
+    eight_bits.Convert({&image});
+    return eight_bits.TakeNote();
+  };
+  for (const int bits : {10, 12, 14}) {
+    const int most = (1 << bits) - 1;
+    cv::Mat1w ramp = Ramp(0, most);
+    EXPECT_THAT(note_of(ramp), testing::Not(HasSubstr("other order"))) << bits;
+    EXPECT_THAT(note_of(ramp, most), IsEmpty());
+    for (uint16_t& pixel : ramp) pixel = static_cast<uint16_t>(pixel << 8 | pixel >> 8);
+    EXPECT_THAT(note_of(ramp), HasSubstr("are the bytes in the other order?")) << bits;
+    EXPECT_THAT(note_of(ramp, most), HasSubstr("are the bytes in the other order?")) << bits;
+    for (uint16_t& pixel : ramp) pixel = static_cast<uint16_t>(pixel & 0xff00);  // 8 bits shifted
+    EXPECT_THAT(note_of(ramp), testing::Not(HasSubstr("other order")));
+  }
+}
+
 TEST(EightBits, SayOnceThatPixelsAreBeyondTheBitsThatWereAskedFor) {
   EightBits eight_bits(12);
   CameraImage within = Image(Ramp(0, 4095));
