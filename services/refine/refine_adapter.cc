@@ -107,10 +107,8 @@ bool RefineAdapter::CheckInput(const Frame& frame) {
       unwraps ? RangeUnwrapper().Unwrap(left, right, *frame.tof, *projector, unambiguous_range_m_)
               : *frame.tof,
       frame.rig->pair, projector);
-  wrong_input_ = BadText(findings);
-  if (!has_tof) {
-    wrong_input_ = JoinedTexts(wrong_input_, BeyondSearch(findings, config_, frame.rig->pair));
-  }
+  wrong_input_ =
+      JoinedTexts(BadText(findings), BeyondSearch(findings, config_, frame.rig->pair, has_tof));
   return true;
 }
 

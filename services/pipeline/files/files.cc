@@ -179,10 +179,9 @@ Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline
     }
     std::string complaint = BadText(findings);
     complaint += LeaveOutRanges(findings, config.refine().stereo_seeds(), *frame->tof);
-    if (frame->tof->depth_m.empty()) {
-      complaint =
-          JoinedTexts(complaint, refine::BeyondSearch(findings, config.refine(), frame->rig->pair));
-    }
+    complaint =
+        JoinedTexts(complaint, refine::BeyondSearch(findings, config.refine(), frame->rig->pair,
+                                                    /*has_ranges=*/!frame->tof->depth_m.empty()));
     Result<DepthFrame> depth =
         pipeline.Compute(frame->left, frame->right, *frame->tof, *frame->rig);
     if (!depth) return tl::unexpected(depth.error());

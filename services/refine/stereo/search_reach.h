@@ -12,9 +12,11 @@ namespace sprout::refine {
 int InfinityPx(const RectifiedPair& pair);
 
 /// Says that more than a tenth of what a pair shows is nearer than stereo looks, and the cure;
-/// empty where that is not so, cannot be told, or no seeds come from stereo.
-/// @param findings  of CheckInputs(), for this pair.
+/// empty where that is not so, cannot be told, ranges show it, or no seeds come from stereo.
+/// @param findings    of CheckInputs(), for this pair.
+/// @param has_ranges  which show what is near unless a finding says that they do not fit the
+/// images.
 std::string BeyondSearch(const inputs::Findings& findings, const RefineConfig& config,
-                         const RectifiedPair& pair);
+                         const RectifiedPair& pair, bool has_ranges);
 
 }  // namespace sprout::refine
