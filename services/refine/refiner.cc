@@ -68,6 +68,7 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
   }
   left_seeds_.seeds.clear();
   left_seeds_.seeds.reserve(points_.size());
+  SearchAsFarAsPoints(left.cols);
   if (!points_.empty()) {
     surface_.Set(rig, points_);
     for (ProjectedPoint& point : points_) point.seed.sigma_px = 0;

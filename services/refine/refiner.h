@@ -93,7 +93,8 @@ class Refiner {
                        SeedSet& result);
   void TakeBack(const Rig& rig, SeedSet& result);
   bool Errs() const;
-  bool IsDoubtful(int columns) const;
+  bool IsDoubtful() const;
+  void SearchAsFarAsPoints(int columns);
   bool PairShiftsRows(const PlacedPoints& points, std::span<const Seed> matches);
   bool IsWrongScan(const cv::Mat1b& left, const cv::Mat1b& right, const PlacedPoints& points);
   bool IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,

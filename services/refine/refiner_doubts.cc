@@ -1,5 +1,8 @@
 #include <algorithm>
+#include <cmath>
+#include <vector>
 
+#include "common/core/quantile.h"
 #include "services/refine/range/range_rules.h"
 #include "services/refine/range/row_shift.h"
 #include "services/refine/refiner.h"
@@ -13,8 +16,22 @@ bool Refiner::Errs() const {
          found_.range_error.far_from_curve_share > RangeRules::kDoubtfulMoves;
 }
 
+// Stereo reaches as far as the points do: if it ended before, what is near would match elsewhere,
+// and contradict right points.
+void Refiner::SearchAsFarAsPoints(int columns) {
+  stereo_.SetReach(0);
+  const auto most_px = static_cast<float>(stereo_.MostDisparityPx(columns));
+  std::vector<float> disparities;
+  for (const ProjectedPoint& point : points_) disparities.push_back(point.seed.disparity());
+  const auto near = std::ranges::count_if(disparities, [&](float px) { return px > most_px; });
+  const double share = RangeRules::kNearShare;
+  if (static_cast<double>(near) <= share * static_cast<double>(disparities.size())) return;
+  const float nearest_px = Quantile(disparities, 1 - share / 2);
+  stereo_.SetReach(std::min(static_cast<int>(std::ceil(nearest_px)), columns / 2));
+}
+
 // Whether much is wrong with the points, or they are nearer than anything that stereo looks for.
-bool Refiner::IsDoubtful(int columns) const {
+bool Refiner::IsDoubtful() const {
   if (found_.range_error.Refuses() || found_.range_error.pair_unfit) return false;
   if (!config_.stereo_seeds()) return false;
   // Of few points nodes are too few to judge by.
@@ -23,12 +40,9 @@ bool Refiner::IsDoubtful(int columns) const {
            found_.range_error.moved_share > 0 || found_.scan_move.is_off ||
            points_.size() < RangeRules::kFewOfScan;
   }
-  const auto most_px = static_cast<float>(stereo_.MostDisparityPx(columns));
-  const auto near = std::ranges::count_if(
-      points_, [&](const ProjectedPoint& point) { return point.seed.disparity() > most_px; });
   return Errs() || found_.range_error.IsBeyondDataSheets() ||
          found_.range_error.contradicted_share > RangeRules::kDoubtfulShare ||
-         static_cast<double>(near) > RangeRules::kNearShare * static_cast<double>(points_.size());
+         stereo_.reach_px() > 0;
 }
 
 // Whether the pair is at fault, not the points.
@@ -44,7 +58,7 @@ bool Refiner::PairShiftsRows(const PlacedPoints& points, std::span<const Seed> m
 // matches, which take a fifth of the time.
 bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                           const TofProjector& projector) {
-  if (!IsDoubtful(left.cols)) return false;
+  if (!IsDoubtful()) return false;
   PlacedPoints points{.raw = {},
                       .corrected = points_,
                       .spacing_px = {surface_.column_px(), surface_.row_px()},

@@ -182,7 +182,9 @@ void StereoSeedFinder::TakeFrom(const cv::Mat1b& left, const cv::Mat1b& right, c
 StereoMatcherSettings StereoSeedFinder::SettingsFor(int width, int columns) const {
   const int most = config_.stereo_max_disparity_px();
   const int of_camera =
-      most > 0 ? most : (width - columns) / StereoRules::kWidthsPerDisparity + infinity_px_;
+      most > 0 ? most
+               : std::max((width - columns) / StereoRules::kWidthsPerDisparity + infinity_px_,
+                          reach_px_);
   return {.max_disparity_px = std::clamp(of_camera + columns, 1, width),
           .most_pixels = config_.stereo_most_pixels()};
 }

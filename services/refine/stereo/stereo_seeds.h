@@ -68,6 +68,13 @@ class StereoSeedFinder {
   /// seeds share.
   void SetColumnError(double px) { column_error_px_ = px; }
 
+  /// The search of the next calls reaches at least so far, px, if stereo_max_disparity_px is 0: as
+  /// far as what range points show is near.
+  void SetReach(int disparity_px) { reach_px_ = disparity_px; }
+
+  /// What was set.
+  int reach_px() const { return reach_px_; }
+
   /// The largest disparity that is searched in images of this width, px.
   int MostDisparityPx(int width) const { return SettingsFor(width, columns_).max_disparity_px; }
 
@@ -89,6 +96,7 @@ class StereoSeedFinder {
   int columns_ = 0;
   int infinity_px_ = 0;
   double column_error_px_ = 0;
+  int reach_px_ = 0;
   StereoMatcher matcher_;
   PointSurface points_;
   cv::Mat1b uncovered_;                   // cells that want a seed

@@ -361,5 +361,23 @@ TEST(Refiner, KnowsThatNoiseInMetresGrowsWithTheDisparity) {
   EXPECT_NEAR(sigma_px(30), 0.72, 0.1);
 }
 
+// Stereo by itself looks for disparities of up to a fifth of the width, 20 px.
+TEST(Refiner, SearchesStereoAsFarAsPointsAreNear) {
+  Scene scene = TexturedScene();
+  scene.left.colRange(30, 100).copyTo(scene.right.colRange(0, 70));
+  for (int j = 0; j < 4; ++j) {  // the lower half has no return
+    for (int i = 0; i < 10; ++i) scene.SetDisparity(i, j, 30);
+  }
+  const Result<SeedSet> seeds = scene.Refine(RefineConfig());
+  ASSERT_TRUE(seeds);
+  const auto is_near_match = [](const Seed& seed) {
+    return seed.origin == SeedOrigin::kStereo && std::abs(seed.disparity() - 30) < 1;
+  };
+  EXPECT_GT(std::ranges::count_if(seeds->seeds, is_near_match), 20);
+  const Result<SeedSet> as_asked = scene.Refine(With<RefineConfig>("stereo_max_disparity_px: 20"));
+  ASSERT_TRUE(as_asked);
+  EXPECT_EQ(std::ranges::count_if(as_asked->seeds, is_near_match), 0);
+}
+
 }  // namespace
 }  // namespace sprout::refine
