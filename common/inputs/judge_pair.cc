@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -13,7 +12,7 @@
 
 #include "common/core/quantile.h"
 #include "common/inputs/judge_images.h"
-#include "common/inputs/occlusion_order.h"
+#include "common/inputs/judge_sides.h"
 
 namespace sprout::inputs {
 namespace {
@@ -39,34 +38,12 @@ struct PairRules {
   /// Parallax that row errors may cause, as a share of the largest of them: (1) is a pitch's and a
   /// roll's first order only.
   static constexpr double kParallaxOfRows = 0.1;
-  static constexpr double kSure = 5;             ///< standard deviations
-  static constexpr double kBehindPx = 1;         ///< a match is beyond infinity by more
-  static constexpr double kManyBehind = 0.9;     ///< share: of a swapped pair
-  static constexpr double kSomeBehind = 0.15;    ///< principal points that do not fit
-  static constexpr double kFewBehind = 0.05;     ///< false matches
-  static constexpr double kFalseMatches = 0.02;  ///< share, of either end of the disparities
-  static constexpr double kSureOrder = 2;        ///< standard deviations: 2.3 to 7 were seen
+  static constexpr double kSure = 5;  ///< standard deviations
   /// Right over left or left over right: 0.83 (ETH3D's playground) to 1.01 in good pairs. At 0.8
   /// preset `fast` loses most of its pixels, from 0.7 on `default` much confidence (NOTES.md).
   static constexpr double kMaxContrast = 1.23;
   /// Of EXPSSD with the default σ_s² a window that fits but for more than that is worse than τ.
   static constexpr double kMaxBrightness = 1.27;
-  /// The same picture twice: so many of the matches are at one place, to so many px, also where one
-  /// of them was blurred or compressed to a tenth. Of a pair only what is thousands of baselines
-  /// away is.
-  static constexpr double kSamePx = 0.5;
-  static constexpr double kSameShare = 0.9;
-  /// Ranges speak for the order of the images with so many matches beside points, of which more
-  /// than the first share agree; against it, where also less than the second agree as it is.
-  static constexpr int kFewCompared = 25;
-  static constexpr double kRangesAgree = 0.7;
-  static constexpr double kRangesDisagree = 0.3;
-  /// Ranges speak for columns that are moved alike by so many px at least (less may be the device's
-  /// own error) with so many matches, of which so many are close, and surely fewer otherwise.
-  static constexpr double kMinAsidePx = 4;
-  static constexpr int kSomeCompared = 40;
-  static constexpr double kMostAreClose = 0.7;
-  static constexpr double kSureAside = 3;  ///< standard deviations
 };
 
 // Whether more matches agree than would by chance.
@@ -129,89 +106,6 @@ Finding JudgeTime(const PairModel& model) {
   return finding;
 }
 
-double ShareBehind(const std::vector<Match>& matches, double infinity_px, double sign) {
-  const auto behind = std::ranges::count_if(matches, [&](const Match& match) {
-    return sign * match.disparity() + infinity_px < -PairRules::kBehindPx;
-  });
-  return static_cast<double>(behind) / static_cast<double>(matches.size());
-}
-
-constexpr const char* kSwapped =
-    "left and right are swapped: give them the other way round (or tell the columns of the "
-    "principal points: cx, cx_right)";
-
-// Where the principal points allow the disparities of either order.
-void JudgeOrder(const cv::Mat1b& left, const cv::Mat1b& right, const PairModel& model,
-                Finding& finding) {
-  std::vector<double> disparities;
-  for (const Match& match : model.inliers) disparities.push_back(match.disparity());
-  const double least = Quantile(disparities, PairRules::kFalseMatches);
-  const double most = Quantile(disparities, 1 - PairRules::kFalseMatches);
-  const OcclusionOrder order = FindOcclusionOrder(left, right, least, most);
-  if (order.sure < -PairRules::kSureOrder) {
-    finding.verdict = Verdict::kBad;
-    finding.text = fmt::format("{}: far things hide near ones, by {:.1f} σ", kSwapped, -order.sure);
-  } else if (order.sure > PairRules::kSureOrder) {
-    finding.verdict = Verdict::kGood;
-    finding.text = fmt::format("near things hide far ones, by {:.1f} σ", order.sure);
-  }
-}
-
-bool AreOnePicture(const std::vector<Match>& matches) {
-  const auto same = std::ranges::count_if(matches, [](const Match& match) {
-    return std::hypot(match.disparity(), match.rows()) < PairRules::kSamePx;
-  });
-  return static_cast<double>(same) >= PairRules::kSameShare * static_cast<double>(matches.size());
-}
-
-Finding JudgeSides(const cv::Mat1b& left, const cv::Mat1b& right, const RectifiedPair& pair,
-                   const PairModel& model, const RangeModel* ranges) {
-  Finding finding{.question = Question::kSides};
-  std::vector<double> disparities;
-  for (const Match& match : model.inliers) disparities.push_back(match.disparity());
-  finding.near_px = Quantile(disparities, 0.9);
-  const double infinity_px = pair.cx_right - pair.cx;
-  const double behind = ShareBehind(model.inliers, infinity_px, 1);
-  const double behind_if_swapped = ShareBehind(model.inliers, infinity_px, -1);
-  finding.value = 100 * behind;
-  finding.sigma =
-      100 * std::sqrt(behind * (1 - behind) / static_cast<double>(model.inliers.size()));
-  const auto agree = [](const Agreement& agreement) {
-    return agreement.compared >= PairRules::kFewCompared &&
-           agreement.share() > PairRules::kRangesAgree;
-  };
-  const bool ranges_agree = ranges != nullptr && agree(ranges->as_is);
-  const bool ranges_say_swapped = ranges != nullptr && agree(ranges->swapped) &&
-                                  ranges->as_is.share() < PairRules::kRangesDisagree;
-  if (AreOnePicture(model.inliers)) {
-    finding.verdict = Verdict::kBad;
-    finding.text =
-        "left and right are the same picture: is one file given twice, or is everything too far "
-        "for this baseline?";
-  } else if (ranges_say_swapped ||
-             (behind > PairRules::kManyBehind && behind_if_swapped < PairRules::kFewBehind)) {
-    finding.verdict = Verdict::kBad;
-    finding.text = kSwapped;
-  } else if (behind > PairRules::kSomeBehind) {
-    finding.verdict = Verdict::kBad;
-    finding.text = fmt::format(
-        "{:.0f} ± {:.0f} % of the matches lie beyond infinity: the columns of the principal points "
-        "do not fit these images (cx, cx_right)",
-        finding.value, finding.sigma);
-  } else if (behind <= PairRules::kFewBehind &&
-             (behind_if_swapped > PairRules::kSomeBehind || ranges_agree)) {
-    finding.verdict = Verdict::kGood;
-    finding.text = fmt::format("{:.0f} % of the matches lie beyond infinity", finding.value);
-  } else {
-    finding.text = fmt::format(
-        "{:.0f} ± {:.0f} % of the matches lie beyond infinity, {:.0f} % would with left and right "
-        "swapped: too alike to tell",
-        finding.value, finding.sigma, 100 * behind_if_swapped);
-    if (behind <= PairRules::kFewBehind) JudgeOrder(left, right, model, finding);
-  }
-  return finding;
-}
-
 // Turned cameras, and lenses whose distortion is still in the images, bend the rows.
 bool RowsAreBent(const PairModel& model) {
   return std::abs(model.bent_px.value) - PairRules::kSureBent * model.bent_px.sigma >
@@ -229,24 +123,7 @@ std::optional<Estimate> ColumnsOff(const PairModel& model, int width) {
   return Estimate{off_px, sigma_px};
 }
 
-// Whether columns that are moved alike explain the ranges, and nothing else does, as a factor of
-// the ranges before a flat wall.
-bool AreColumnsAside(const RangeModel& ranges) {
-  const Agreement& aside = ranges.aside;
-  const auto explains_more_than = [&](const Agreement* other) {
-    return other->close_share() < aside.close_share() / 2 ||
-           MoreAgree(aside, *other, Vote::kIsClose) >= PairRules::kSureAside;
-  };
-  return aside.compared >= PairRules::kSomeCompared &&
-         std::abs(aside.with.columns_px) >= PairRules::kMinAsidePx &&
-         aside.close_share() >= PairRules::kMostAreClose &&
-         std::ranges::all_of(
-             std::array{&ranges.as_is, &ranges.scaled, &ranges.inverse, &ranges.turned,
-                        &ranges.moved, &ranges.shifted, &ranges.spread, &ranges.swapped},
-             explains_more_than);
-}
-
-Finding JudgeRows(const PairModel& model, const RectifiedPair& pair, const RangeModel* ranges) {
+Finding JudgeRows(const PairModel& model, int width) {
   Finding finding{
       .question = Question::kRows, .value = model.worst_px.value, .sigma = model.worst_px.sigma};
   const double off = std::abs(finding.value);
@@ -257,24 +134,13 @@ Finding JudgeRows(const PairModel& model, const RectifiedPair& pair, const Range
     finding.sigma = estimate.sigma;
     finding.text = std::move(text);
   };
-  if (ranges != nullptr && AreColumnsAside(*ranges)) {
-    const Estimate rest_px = MedianOf(ranges->aside.offs_px);
-    const double columns_px = ranges->aside.with.columns_px;
-    say_bad(
-        {columns_px, rest_px.sigma},
-        fmt::format("columns of the right image lie {:.1f} ± {:.2f} px further {} than ranges "
-                    "say (then {:.0f} % of these are within 1 % of stereo, as it is {:.0f} %): "
-                    "was an image cropped (cx_right {:.1f}, not {:.1f}), or is a camera turned?",
-                    std::abs(columns_px), rest_px.sigma, columns_px < 0 ? "left" : "right",
-                    100 * ranges->aside.close_share(), 100 * ranges->as_is.close_share(),
-                    pair.cx_right + columns_px, pair.cx_right));
-  } else if (!are_off && RowsAreBent(model)) {
+  if (!are_off && RowsAreBent(model)) {
     say_bad(model.bent_px,
             fmt::format(
                 "rows of the right image are bent against those of the left one, by up to {:+.2f} "
                 "± {:.2f} px ({} are allowed): rectify the pair, with the distortion of its lenses",
                 model.bent_px.value, model.bent_px.sigma, PairRules::kMaxRowsPx));
-  } else if (const std::optional<Estimate> columns_px = ColumnsOff(model, pair.width)) {
+  } else if (const std::optional<Estimate> columns_px = ColumnsOff(model, width)) {
     say_bad(*columns_px,
             fmt::format(
                 "the right image shows things {:+.2f} ± {:.2f} % larger, so columns at its sides "
@@ -392,7 +258,7 @@ Findings JudgePair(const cv::Mat1b& left, const cv::Mat1b& right, const Rectifie
   if (is_one_scene && model.inliers.size() >= PairRules::kFewInliers) {
     findings.push_back(JudgeTime(model));
     findings.push_back(JudgeSides(left, right, pair, model, ranges));
-    findings.push_back(JudgeRows(model, pair, ranges));
+    findings.push_back(JudgeRows(model, left.cols));
   } else {
     for (const Question question : {Question::kTime, Question::kSides, Question::kRows}) {
       findings.push_back(CannotTell(question));

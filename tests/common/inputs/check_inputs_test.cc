@@ -149,6 +149,8 @@ TEST(CheckInputs, SeesACalibrationOfImagesOfAnotherSize) {
 TEST(CheckInputs, SaysThatPrincipalPointsDoNotFit) {
   Parts parts = SceneOf();
   parts.rig.pair.cx_right -= 40;  // nearer surfaces have more than 40 px of disparity
+  ExpectBad(parts, Question::kSides, "further right than ranges say");
+  parts.tof = TofImage();
   ExpectBad(parts, Question::kSides, "principal points");
 }
 

@@ -70,9 +70,9 @@ TEST(CheckRows, SaysByHowMuchColumnsAreAsideOfRanges) {
     Parts parts = SceneOf();
     const double right = parts.rig.pair.cx_right;
     parts.rig.pair.cx_right += columns;
-    ExpectBad(parts, Question::kRows,
+    ExpectBad(parts, Question::kSides,
               fmt::format("further {} than ranges say", columns > 0 ? "left" : "right"));
-    ExpectBad(parts, Question::kRows,
+    ExpectBad(parts, Question::kSides,
               fmt::format("(cx_right {:.1f}, not {:.1f})", right, right + columns));
   }
 }
