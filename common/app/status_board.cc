@@ -103,6 +103,25 @@ std::string HostsText(const std::vector<BoardRow>& rows) {
   return text;
 }
 
+// The stages that make one map, by the digests of their configurations; empty when these are equal.
+// Others have parameters of their own: that of capture has its source.
+std::string ConfigurationsText(const std::vector<BoardRow>& rows) {
+  std::map<std::string, std::string> stages;  // by digest
+  for (const BoardRow& row : rows) {
+    const StageStatus& s = row.status;
+    const bool makes_map = s.stage == "refine" || s.stage == "prior" || s.stage == "grow";
+    if (!makes_map || s.config_digest.empty()) continue;
+    std::string& names = stages[s.config_digest];
+    names += (names.empty() ? "" : ", ") + s.stage;
+  }
+  if (stages.size() < 2) return "";
+  std::string text;
+  for (const auto& [digest, names] : stages) {
+    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", names, digest);
+  }
+  return "configurations differ: " + text;
+}
+
 // What capture and refine know about the cameras.
 std::string CameraText(const StageStatus& s) {
   std::string text;
@@ -138,7 +157,8 @@ std::string ErrorText(const BoardRow& row) {
 bool StatusBoard::Add(const StageStatus& message, Clock::time_point now) {
   // Whoever sends a status must not move the terminal's cursor.
   StageStatus status = message;
-  for (std::string* text : {&status.stage, &status.host, &status.last_error}) {
+  for (std::string* text :
+       {&status.stage, &status.host, &status.config_digest, &status.last_error}) {
     *text = Printable(*text);
   }
   const Process process{status.stage, status.host, status.pid};
@@ -248,6 +268,7 @@ std::string BoardText(const std::vector<BoardRow>& rows, bool colour) {
       "fail   bad  MB/rss   ToF  host:pid\n";
   for (const BoardRow& row : rows) text += RowText(row, rows, colour);
   text += HostsText(rows);
+  if (const std::string differ = ConfigurationsText(rows); !differ.empty()) text += differ + "\n";
   for (const BoardRow& row : rows) {
     if (!IsHeard(row)) continue;
     text += CameraText(row.status);
@@ -313,7 +334,8 @@ std::string BoardJson(const std::vector<BoardRow>& rows, const std::optional<Lef
     }
     stages.push_back(std::move(stage));
   }
-  nlohmann::ordered_json board{{"whole", IsWhole(rows)}};
+  nlohmann::ordered_json board{{"whole", IsWhole(rows)},
+                               {"configurations", ConfigurationsText(rows)}};
   if (left_out) {
     board["unreadable"] = left_out->unreadable;
     board["no_room"] = left_out->no_room;

@@ -95,17 +95,17 @@ bool IsWhole(const std::vector<BoardRow>& rows);
 /// "good", "losing", "twice", "stale", "stopped", "missing".
 std::string_view NameOf(Health health);
 
-/// The board as lines for people: a heading, a row for each process, and the newest error of each
-/// that has one.
+/// The board as lines for people: a heading, a row for each process, how configurations differ, and
+/// the newest error of each process that has one.
 /// @param colour  with ANSI colours for the health.
 std::string BoardText(const std::vector<BoardRow>& rows, bool colour);
 
 /// A line for people of each kind of what was left out; empty when nothing was.
 std::string LeftOutText(const LeftOut& left_out);
 
-/// The board as one line of JSON: {"whole": bool, "unreadable": ..., "no_room": ...,
-/// "not_joined": ..., "stages": [{"stage": ..., "health": ..., and the fields of stage_status_t
-/// that are numbers or texts}]}.
+/// The board as one line of JSON: {"whole": bool, "configurations": how those of refine, prior and
+/// grow differ, "" if they do not, "unreadable": ..., "no_room": ..., "not_joined": ..., "stages":
+/// [{"stage": ..., "health": ..., and the fields of stage_status_t that are numbers or texts}]}.
 /// @param left_out  nothing: it is not known, and the three numbers are not there.
 std::string BoardJson(const std::vector<BoardRow>& rows,
                       const std::optional<LeftOut>& left_out = {});

@@ -30,7 +30,8 @@ export class Plots {
       head.append(cell);
     }
     this.body = this.table.createTBody();
-    root.append(this.table);
+    this.remark = document.createElement('p');
+    root.append(this.table, this.remark);
   }
 
   /// What the server heard before the page was opened. @param whole  plots show all of it (a log).
@@ -53,6 +54,7 @@ export class Plots {
   show() {
     const board = this.board;
     this.board = undefined;  // first: whatever happens here, the next board is drawn
+    this.remark.textContent = board.configurations ?? '';
     const names = new Set();
     for (const status of board.stages) {
       const name = status.pid === undefined ? status.stage : `${status.stage} ${status.host}:${status.pid}`;

@@ -164,6 +164,26 @@ TEST_F(StatusBoardTest, ShowsAnOffsetOfTheToFCameraOnlyWhenItIsSignificant) {
                         "calibrate again"));
 }
 
+TEST_F(StatusBoardTest, SaysThatStagesOfOneMapHaveDifferentConfigurations) {
+  const auto add = [&](const char* stage, const char* digest) {
+    StageStatus status = Status(stage);
+    status.config_digest = digest;
+    board_.Add(status, start_);
+  };
+  add("capture", "has a source");
+  add("depth", "has limits");
+  add("prior", "a");
+  add("grow", "a");
+  add("refine", "");  // a program that does not say it
+  EXPECT_THAT(BoardText(board_.Rows(start_), false), Not(HasSubstr("configurations")));
+  EXPECT_EQ(nlohmann::json::parse(BoardJson(board_.Rows(start_)))["configurations"], "");
+  add("refine", "b\x1b");
+  EXPECT_THAT(BoardText(board_.Rows(start_), false),
+              HasSubstr("\nconfigurations differ: grow, prior: a; refine: b\\x1b\n"));
+  EXPECT_EQ(nlohmann::json::parse(BoardJson(board_.Rows(start_)))["configurations"],
+            "configurations differ: grow, prior: a; refine: b\\x1b");
+}
+
 TEST_F(StatusBoardTest, CallsFramesOfARecordingOld) {
   StageStatus status = Status("grow");
   status.age = {.p50_ms = 327'000, .p95_ms = 328'000, .p99_ms = 328'368, .max_ms = 328'368};

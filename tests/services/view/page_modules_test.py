@@ -73,6 +73,11 @@ def check_plots(browser):
         await drawn();
         return text('.frames');""")
     check("a board that cannot be drawn does not stop the next one", frames == "77", frames)
+    remark = run(browser, PLOTS + """
+        plots.update({configurations: 'configurations differ', stages: [status()]}, 1);
+        await drawn();
+        return text('p');""")
+    check("a board's remark is shown below it", remark == "configurations differ", remark)
     times = run(browser, PLOTS + """
         for (const seconds of [100, 100.1, 101, 102, 50, 51, 50]) update(seconds, {rate_hz: seconds});
         const {t, rate_hz, lost} = plots.courses.grow;
