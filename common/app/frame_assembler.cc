@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/core/digest.h"
+#include "common/core/printable.h"
 #include "common/messages/codec.h"
 
 namespace sprout {
@@ -55,6 +56,8 @@ std::vector<Frame> FrameAssembler::Add(std::string_view channel, std::span<const
       taken_.push_back(message);
       if (taken_.size() > kMaxTaken) taken_.pop_front();
       monitor_.SetJoinerCounts(joiner_.incomplete(), joiner_.sequence_gaps());
+      TellOtherRig(message.id);
+      if (needed_.Has(Part::kTof)) TellTimesBack(message.id, frames->size());
       return std::move(*frames);
     }
     monitor_.BadMessage(channel, frames.error().text);
@@ -70,6 +73,28 @@ bool FrameAssembler::IsSecondAnswer(const Taken& message) const {
            return other.part == message.part && other.id == message.id &&
                   other.hash != message.hash;
          });
+}
+
+void FrameAssembler::TellOtherRig(const FrameId& id) {
+  if (joiner_.rigs_replaced() == std::exchange(rigs_replaced_, joiner_.rigs_replaced())) return;
+  monitor_.Warn("SPROUT_RIG: rig_id '" + Printable(id.rig_id) +
+                "' again, with other numbers, which are used now: a changed calibration needs "
+                "another rig_id");
+}
+
+// A single step back is that of a clock, of which capture and those that remember frames tell.
+void FrameAssembler::TellTimesBack(const FrameId& id, size_t whole_frames) {
+  if (joiner_.times_back() != std::exchange(times_back_, joiner_.times_back())) {
+    const bool again = std::exchange(frames_since_back_, 0) < kFramesTold;
+    if (!again || !time_warning_.empty()) return;
+    time_warning_ = "frame " + std::to_string(id.seq) +
+                    ": utime does not rise from the frame before, again: it must be the time of "
+                    "exposure, which rises with seq";
+    monitor_.Warn(time_warning_);
+    monitor_.HoldWarning(time_warning_);
+  } else if ((frames_since_back_ += whole_frames) >= kFramesTold && !time_warning_.empty()) {
+    monitor_.Resolve(std::exchange(time_warning_, ""));
+  }
 }
 
 std::vector<Frame> FrameAssembler::Finish() {

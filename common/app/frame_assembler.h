@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -14,7 +15,9 @@ namespace sprout {
 
 /// Messages in, complete frames out: decodes and checks messages, joins them, and counts what is
 /// dropped. A frame may come twice, with the same bytes; of two messages of one frame and channel
-/// that differ the first counts, and the other is a bad one. Not thread-safe.
+/// that differ the first counts, and the other is a bad one. Warns of calibrations that change
+/// under one rig_id, and, where it joins the ToF image, as the first stage alone does, of times
+/// that do not rise, twice in 100 frames. Not thread-safe.
 class FrameAssembler {
  public:
   /// @param max_pending, optional  as in FrameJoiner.
@@ -33,6 +36,8 @@ class FrameAssembler {
   std::vector<Frame> Finish();
 
  private:
+  static constexpr size_t kFramesTold = 100;  // that times do not rise
+
   struct Taken {
     FrameId id;
     Part part;
@@ -40,12 +45,18 @@ class FrameAssembler {
   };
 
   bool IsSecondAnswer(const Taken& message) const;
+  void TellOtherRig(const FrameId& id);
+  void TellTimesBack(const FrameId& id, size_t whole_frames);
 
   StageMonitor& monitor_;
   PartSet needed_;
   std::vector<std::string_view> channels_;
   FrameJoiner joiner_;
-  std::deque<Taken> taken_;  // the newest messages
+  std::deque<Taken> taken_;    // the newest messages
+  int64_t rigs_replaced_ = 0;  // that were told
+  int64_t times_back_ = 0;
+  size_t frames_since_back_ = kFramesTold;
+  std::string time_warning_;  // that holds now
 };
 
 }  // namespace sprout

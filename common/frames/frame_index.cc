@@ -1,5 +1,6 @@
 #include "common/frames/frame_index.h"
 
+#include "common/core/printable.h"
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"
 
@@ -41,10 +42,14 @@ void FrameIndex::Add(Part part, const FrameId& id, int64_t offset) {
 
 void FrameIndex::AddRig(const LogEvent& event, const Refuse& refuse) {
   if (PartOf(event.channel, choice_.prefix) != Part::kRig) return;
-  if (const auto decoded = DecodePart(Part::kRig, event.data); decoded) {
-    if (rigs_.size() < kMaxRigsOfLog) rigs_.emplace(decoded->id.rig_id, event.offset);
-  } else if (refuse) {
-    refuse(event, decoded.error().text);
+  const Result<DecodedPart> decoded = DecodePart(Part::kRig, event.data);
+  if (!decoded) return refuse ? refuse(event, decoded.error().text) : void();
+  const std::string& rig_id = decoded->id.rig_id;
+  std::string digest = RigId(std::get<Rig>(decoded->value));
+  if (const auto known = rigs_.find(rig_id); known == rigs_.end()) {
+    if (rigs_.size() < kMaxRigsOfLog) rigs_[rig_id] = {event.offset, std::move(digest)};
+  } else if (refuse && known->second.digest != digest) {
+    refuse(event, "rig_id '" + Printable(rig_id) + "' again, with other numbers; the first count");
   }
 }
 
@@ -60,7 +65,7 @@ const IndexedFrame* FrameIndex::Find(const FrameId& id) const {
 IndexedFrame FrameIndex::At(size_t number) const {
   IndexedFrame frame = frames_[number];
   const auto rig = rigs_.find(frame.id.rig_id);
-  if (rig != rigs_.end()) frame.offset(Part::kRig) = rig->second;
+  if (rig != rigs_.end()) frame.offset(Part::kRig) = rig->second.offset;
   return frame;
 }
 

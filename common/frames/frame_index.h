@@ -57,7 +57,8 @@ struct RepeatedPart {
 /// its id begins another frame. A recording of a log that was played twice has each id twice.
 /// * Repeated: of several messages of a part the newest counts; see repeats().
 /// * The calibration comes separately, once a second: it belongs to every frame with its rig_id,
-/// before and after it. Of several with the same rig_id, which is a digest, the first counts.
+/// before and after it. Of several with the same rig_id the first counts; one with other numbers is
+/// refused.
 /// * A message without a valid frame id, of another type than its channel's, or an unreadable
 /// calibration is refused, reported, and belongs to no frame. Only the header of other messages is
 /// read here; FetchParts() reports those that cannot be decoded.
@@ -96,11 +97,16 @@ class FrameIndex {
   std::string OtherPrefixText() const;
 
  private:
+  struct IndexedRig {
+    int64_t offset;
+    std::string digest;  // of its numbers
+  };
+
   FrameChoice choice_;
   std::vector<IndexedFrame> frames_;
   std::vector<RepeatedPart> repeats_;
-  std::map<FrameId, size_t> newest_;     // number of the newest frame with an id
-  std::map<std::string, int64_t> rigs_;  // offsets by rig_id
+  std::map<FrameId, size_t> newest_;        // number of the newest frame with an id
+  std::map<std::string, IndexedRig> rigs_;  // by rig_id
   bool has_channel_ = false;
   std::string other_channel_;  // of another prefix
 };

@@ -22,8 +22,12 @@ FrameJoiner::FrameJoiner(PartSet needed, size_t max_pending, size_t max_bytes, P
 
 std::vector<Frame> FrameJoiner::Add(const FrameId& id, Part part, PartValue value) {
   if (part == Part::kRig) {
+    const Rig& rig = std::get<Rig>(value);
+    if (const auto known = FindRig(id.rig_id); known && RigId(*known) != RigId(rig)) {
+      ++rigs_replaced_;
+    }
     std::erase_if(rigs_, [&](const auto& known) { return known.first == id.rig_id; });
-    rigs_.emplace_back(id.rig_id, std::get<Rig>(std::move(value)));
+    rigs_.emplace_back(id.rig_id, rig);
     if (rigs_.size() > kMaxRigs) rigs_.pop_front();
   } else {
     Pending& pending = FindOrStart(id);

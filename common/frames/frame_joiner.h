@@ -67,6 +67,12 @@ class FrameJoiner {
   /// Frame numbers missing in the stream.
   int64_t sequence_gaps() const { return gaps_.count(); }
 
+  /// Frames whose number rose and whose time did not.
+  int64_t times_back() const { return gaps_.times_back(); }
+
+  /// Calibrations that replaced one with other numbers and the same rig_id.
+  int64_t rigs_replaced() const { return rigs_replaced_; }
+
  private:
   struct Pending {
     Frame frame;
@@ -96,6 +102,7 @@ class FrameJoiner {
   std::deque<std::pair<std::string, Rig>> rigs_;  // by rig_id, the newest few
   SequenceGaps gaps_;
   int64_t incomplete_ = 0;
+  int64_t rigs_replaced_ = 0;
 };
 
 }  // namespace sprout

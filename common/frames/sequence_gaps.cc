@@ -38,6 +38,7 @@ bool SequenceGaps::Add(const FrameId& id) {
   const bool is_newest = stream + 1 == streams_.size();
   const bool goes_on_beside = !is_newest || streams_[stream].goes_on_beside;
   count_ += left_out;
+  if (id.utime <= streams_[stream].newest.utime) ++times_back_;
   // What was before a jump stays: it may be a frame of another stream.
   if (left_out == 0 || !is_newest) {
     streams_.erase(streams_.begin() + static_cast<std::ptrdiff_t>(stream));

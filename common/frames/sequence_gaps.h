@@ -31,6 +31,9 @@ class SequenceGaps {
 
   int64_t count() const { return count_; }
 
+  /// Frames whose number is above that of the frame before in their stream, and whose time is not.
+  int64_t times_back() const { return times_back_; }
+
  private:
   struct Stream {
     FrameId newest;
@@ -59,6 +62,7 @@ class SequenceGaps {
   int64_t added_ = 0;
   std::optional<Aside> aside_;
   int64_t count_ = 0;
+  int64_t times_back_ = 0;
 };
 
 }  // namespace sprout

@@ -58,6 +58,7 @@ void Sequence::Add(const FrameId& id) {
   first_ = std::min(first_.value_or(id.seq), id.seq);
   last_ = std::max(last_.value_or(id.seq), id.seq);
   steps_ += newest_ && id.seq > newest_->seq;
+  times_back_ += newest_ && id.seq > newest_->seq && id.utime <= newest_->utime;
   if (newest_ && id.seq - 1 > newest_->seq) {
     const Gap gap{newest_->seq + 1, id.seq - 1};
     // A damaged number can be anything; the sum must not overflow.

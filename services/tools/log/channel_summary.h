@@ -38,6 +38,7 @@ class Sequence {
   int64_t missing() const { return missing_; }             ///< missing frame numbers
   int64_t repeated() const { return repeated_; }           ///< repeated frames
   int64_t late() const { return late_; }                   ///< frames that stand behind later ones
+  int64_t times_back() const { return times_back_; }       ///< frames whose number alone rose
   int64_t restarts() const { return restarts_; }           ///< of capture, with smaller numbers
 
   /// The first few gaps as text: "7, 12-15"; "..." means others. Behind ExpectEvery() "3 in all".
@@ -54,6 +55,7 @@ class Sequence {
   int64_t steps_ = 0;  // to larger numbers
   int64_t repeated_ = 0;
   int64_t late_ = 0;
+  int64_t times_back_ = 0;
   int64_t restarts_ = 0;
 };
 

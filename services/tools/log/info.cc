@@ -179,6 +179,10 @@ std::string Remarks(const LogSummary& log) {
     if (sequence.late() > 0) {
       text += fmt::format("{}: frames that stand behind later ones: {}\n", name, sequence.late());
     }
+    if (sequence.times_back() > 0) {
+      text +=
+          fmt::format("{}: frames whose utime does not rise: {}\n", name, sequence.times_back());
+    }
     if (sequence.restarts() > 0) {
       text += fmt::format("{}: frame numbers began anew, times: {}\n", name, sequence.restarts());
     }

@@ -86,6 +86,47 @@ TEST_F(FrameAssemblerTest, KeepsTheFirstOfTwoAnswersAndCountsTheOther) {
   EXPECT_EQ(monitor_.Snapshot().bad_messages, 2);
 }
 
+TEST(FrameAssembler, SaysThatACalibrationChangedUnderItsName) {
+  CapturedLog log;
+  StageMonitor monitor("grow", "");
+  FrameAssembler assembler({Part::kLeft, Part::kRig}, monitor);
+  const auto add = [&](int64_t seq, double focal_px) {
+    Rig rig = examples::Rig();
+    rig.pair.focal_px = focal_px;
+    const FrameId id{.utime = seq, .seq = seq, .rig_id = "1"};
+    assembler.Add("SPROUT_RIG", EncodePart(id, Part::kRig, rig));
+  };
+  for (const int64_t seq : {0, 1}) add(seq, 500);
+  EXPECT_EQ(monitor.Snapshot().last_error, "");
+  for (const int64_t seq : {2, 3}) add(seq, 520);
+  EXPECT_THAT(monitor.Snapshot().last_error,
+              StartsWith("SPROUT_RIG: rig_id '1' again, with other"));
+  EXPECT_THAT(log.Lines(), SizeIs(1));
+}
+
+TEST(FrameAssembler, SaysThatTimesDoNotRiseWhereTheToFImageIsJoined) {
+  CapturedLog log;
+  const auto add = [](FrameAssembler& assembler, int64_t utime, int64_t seq) {
+    assembler.Add("SPROUT_LEFT", EncodePart({.utime = utime, .seq = seq, .rig_id = ""}, Part::kLeft,
+                                            cv::Mat(2, 3, CV_8UC1, cv::Scalar(1))));
+    assembler.Add("SPROUT_TOF", EncodePart({.utime = utime, .seq = seq, .rig_id = ""}, Part::kTof,
+                                           examples::Tof(false)));
+  };
+  StageMonitor monitor("refine", "");
+  FrameAssembler assembler({Part::kLeft, Part::kTof}, monitor);
+  for (const int64_t seq : {0, 1}) add(assembler, 7, seq);
+  EXPECT_EQ(monitor.Snapshot().last_error, "") << "a clock that was set back once";
+  for (int64_t seq = 2; seq < 200; ++seq) add(assembler, 7, seq);
+  EXPECT_THAT(monitor.Snapshot().last_error, StartsWith("frame 2: utime does not rise"));
+  EXPECT_THAT(log.Lines(), SizeIs(1));
+  for (int64_t seq = 200; seq < 301; ++seq) add(assembler, 7 + seq, seq);
+  EXPECT_EQ(monitor.Snapshot().last_error, "");
+  StageMonitor later("grow", "");
+  FrameAssembler without({Part::kLeft}, later);
+  for (int64_t seq = 0; seq < 5; ++seq) add(without, 7, seq);
+  EXPECT_EQ(later.Snapshot().last_error, "");
+}
+
 TEST_F(FrameAssemblerTest, DeliversAFrameTwiceThatIsSentTwice) {
   for (int i = 0; i < 2; ++i) {
     assembler_.Add("SPROUT_LEFT", Image(3, 99));

@@ -96,6 +96,19 @@ TEST(FrameIndex, HasOfACalibrationTheFirstMessageThatCanBeRead) {
   EXPECT_THAT(index.refused, ElementsAre(HasSubstr("0: ")));
 }
 
+TEST(FrameIndex, RefusesASecondCalibrationOfOneName) {
+  Index index;
+  Rig other = examples::Rig();
+  other.pair.focal_px += 1;
+  for (const TestEvent& event : {RigEvent(0), EventOf(1, Part::kRig, other, 0, "SPROUT_RIG"),
+                                 RigEvent(2), LeftEvent(0, 1)}) {
+    index.Put(event);
+  }
+  EXPECT_EQ(index.At(0).offset(Part::kRig), 0);
+  EXPECT_THAT(index.refused,
+              ElementsAre(HasSubstr("100: rig_id '" + TestId(0).rig_id + "' again")));
+}
+
 TEST(FrameIndex, RefusesWhatIsNotOfItsChannelsTypeOrNamesNoFrame) {
   Index index;
   TestEvent wrong = LeftEvent(0, 1);

@@ -108,6 +108,8 @@ TEST(FrameJoiner, TakesTheNewestCalibrationOfAName) {
   AddTo(joiner, IdOf(1), Part::kRig, 2);
   AddTo(joiner, IdOf(1), Part::kLeft);
   EXPECT_EQ(joiner.Add(IdOf(1), Part::kRight, ValueOf(Part::kRight, 1))[0].rig->pair.width, 2);
+  AddTo(joiner, IdOf(2), Part::kRig, 2);
+  EXPECT_EQ(joiner.rigs_replaced(), 1);
 }
 
 TEST(FrameJoiner, ForgetsOldCalibrationsButNotTheOneThatIsSentEverySecond) {

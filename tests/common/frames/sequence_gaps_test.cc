@@ -114,6 +114,17 @@ TEST(SequenceGaps, SaysWhenTheStreamStartsOver) {
   EXPECT_TRUE(gaps.Add(IdOf(SequenceGaps::kRestartFrames - 1)));
 }
 
+TEST(SequenceGaps, CountsFramesWhoseTimeDoesNotRiseWithTheirNumber) {
+  SequenceGaps gaps;
+  AddAll(gaps, {0, 1, 2, 2, 1});        // sent again
+  AddAll(gaps, {0, 1}, 2'000'000'000);  // started again
+  EXPECT_EQ(gaps.times_back(), 0);
+  gaps.Add({.utime = IdOf(1, 2'000'000'000).utime, .seq = 2, .rig_id = ""});
+  EXPECT_EQ(gaps.times_back(), 1) << "it stood still";
+  AddAll(gaps, {3, 4});
+  EXPECT_EQ(gaps.times_back(), 2) << "it went back once";
+}
+
 TEST(SequenceGaps, SurvivesNumbersAtBothEnds) {
   SequenceGaps gaps;
   for (const int64_t seq : {int64_t{-1}, INT64_MAX, int64_t{0}, INT64_MAX - 1, INT64_MAX}) {

@@ -112,6 +112,16 @@ TEST_F(LogInfo, HasAllFramesWhateverTheirOrder) {
   EXPECT_THAT(out, HasSubstr("SPROUT_LEFT: frames that stand behind later ones: 4\n"));
 }
 
+TEST_F(LogInfo, CountsFramesWhoseTimeDoesNotRise) {
+  std::vector<Event> events = {PartEvent(Part::kLeft, 0), PartEvent(Part::kLeft, 1)};
+  FrameId id = LogFrameId(2);
+  id.utime = LogFrameId(1).utime;
+  events.push_back(events.back());
+  events.back().data = EncodePart(id, Part::kLeft, LogValue(Part::kLeft, 2));
+  EXPECT_THAT(OutOf({"info", folder_.Write("log", events)}),
+              HasSubstr("SPROUT_LEFT: frames whose utime does not rise: 1\n"));
+}
+
 TEST_F(LogInfo, TellsWhenTheClockWasSetForward) {
   auto events = GraphEvents(5);
   events.back().utime += 7'200'000'000;
