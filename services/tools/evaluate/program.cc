@@ -19,6 +19,7 @@
 #include "services/tools/evaluate/rig_error.h"
 #include "services/tools/evaluate/run_pictures.h"
 #include "services/tools/evaluate/tables.h"
+#include "services/tools/evaluate/truth_check.h"
 #include "services/tools/evaluate/video.h"
 
 namespace sprout::evaluate {
@@ -251,9 +252,10 @@ std::vector<SceneResult> ResultsOf(const Options& options, const std::vector<Sce
     SceneResult result =
         EvaluateScene(scene, methods, settings, options.repeat,
                       [&](const Method& method) { progress.Show(place + method.name); });
-    const std::string wrong = BadText(inputs::CheckInputs(
+    std::string wrong = BadText(inputs::CheckInputs(
         scene.left_grey, scene.right_grey, scene.frame.tof, scene.projector.rig().pair,
         scene.frame.tof.depth_m.empty() ? nullptr : &scene.projector));
+    if (wrong.empty()) wrong = WrongTruthText(scene);
     if (!options.images.empty()) pictures.Add(scene, result);
     for (MethodResult& method : result.methods) method.map_px.release();
     progress.Clear();

@@ -1,0 +1,57 @@
+#include "services/tools/evaluate/truth_check.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/inputs/check_inputs.h"
+#include "common/scenes/tof_grid.h"
+
+namespace sprout::evaluate {
+namespace {
+
+// What is wrong with the truth, taken for ranges.
+std::string WrongRangesText(const Scene& scene) {
+  constexpr int kStepPx = 3;  // KITTI's truth has gaps between the beams
+  const RectifiedPair& pair = scene.projector.rig().pair;
+  if (std::min(pair.width, pair.height) < kStepPx) return "";
+  const Rig rig{.pair = pair, .tof = scenes::TofGridCamera(pair, kStepPx)};
+  return BadText(inputs::CheckInputs(scene.left_grey, scene.right_grey,
+                                     scenes::SampleTofGrid(pair, kStepPx, scene.frame.truth.left),
+                                     rig));
+}
+
+// Of the points of a scan on pixels with a known truth: the share within 1 px of it.
+double ShareOnTruth(const Scene& scene) {
+  constexpr size_t kLeast = 100;  // points that tell something
+  const cv::Mat1f& truth = scene.frame.truth.left;
+  int behind = 0;
+  size_t known = 0;
+  size_t near = 0;
+  for (const ProjectedPoint& point : scene.projector.Project(scene.frame.tof, behind)) {
+    const cv::Point pixel(cvRound(point.seed.u), cvRound(point.seed.v));
+    if (!cv::Rect({0, 0}, truth.size()).contains(pixel)) continue;
+    const float error = std::abs(point.seed.disparity() - truth(pixel));
+    known += std::isfinite(error);
+    near += error <= 1;
+  }
+  return known < kLeast ? 1 : static_cast<double>(near) / static_cast<double>(known);
+}
+
+}  // namespace
+
+std::string WrongTruthText(const Scene& scene) {
+  constexpr double kLeastOnTruth = 0.75;
+  if (const std::string text = WrongRangesText(scene); !text.empty()) {
+    return "the ground truth does not fit the images; taken for ranges: " + text;
+  }
+  const double on_truth = scene.truth_is_scan ? ShareOnTruth(scene) : 1;
+  if (on_truth >= kLeastOnTruth) return "";
+  return fmt::format(
+      "{:.0f} % of the scan's points lie within 1 px of the ground truth: is the calibration that "
+      "of this recording?",
+      100 * on_truth);
+}
+
+}  // namespace sprout::evaluate

@@ -1,0 +1,47 @@
+#include "services/tools/evaluate/truth_check.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/common/scenes/kitti_folder.h"
+
+namespace sprout::evaluate {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+Scene Synthetic() { return LoadScene("synthetic:640x480", TofChoice("none"), {}); }
+
+TEST(TruthCheck, NamesATruthOfAnotherScaleOrPicture) {
+  EXPECT_EQ(WrongTruthText(Synthetic()), "");
+  Scene half = Synthetic();
+  half.frame.truth.left *= 0.5;
+  EXPECT_THAT(WrongTruthText(half), StartsWith("the ground truth does not fit the images; taken"));
+  EXPECT_THAT(WrongTruthText(half), HasSubstr("times too long"));
+  Scene turned = Synthetic();
+  cv::flip(turned.frame.truth.left, turned.frame.truth.left, 0);
+  EXPECT_THAT(WrongTruthText(turned), HasSubstr("upside down"));
+}
+
+// A wall at 10 m, 5 px, that a scan measures at every other pixel, off by so much.
+Scene ScannedWall(double off_px) {
+  const scenes::KittiFolder folder("000007");
+  std::vector<scenes::KittiFolder::Point> points;
+  const auto depth = static_cast<float>(50 / (5 + off_px));
+  for (int v = 0; v < scenes::KittiFolder::kHeight; v += 2) {
+    for (int u = 0; u < scenes::KittiFolder::kWidth; u += 2) {
+      points.push_back({depth, depth * static_cast<float>(20 - u) / 100,
+                        depth * static_cast<float>(15 - v) / 100, 0});
+    }
+  }
+  folder.WriteScan("000007", points);
+  return LoadScene(folder.Config("/000007").source(), TofChoice("scan"), {});
+}
+
+TEST(TruthCheck, NamesAScanThatIsNotWhereTheTruthIs) {
+  EXPECT_EQ(WrongTruthText(ScannedWall(0.8)), "");
+  EXPECT_THAT(WrongTruthText(ScannedWall(1.2)), StartsWith("0 % of the scan's points"));
+}
+
+}  // namespace
+}  // namespace sprout::evaluate
