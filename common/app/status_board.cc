@@ -80,7 +80,7 @@ std::string RowText(const BoardRow& row, const std::vector<BoardRow>& rows, bool
                      static_cast<double>(s.rss_bytes) / (1 << 20), cover, s.host, s.pid);
 }
 
-// What two hosts need.
+// What two hosts need, and who hears nothing.
 std::string HostsText(const std::vector<BoardRow>& rows) {
   std::string missing;
   bool heard = false;
@@ -93,6 +93,8 @@ std::string HostsText(const std::vector<BoardRow>& rows) {
   const bool any_old = std::ranges::any_of(
       rows, [](const BoardRow& row) { return IsHeard(row) && IsOld(row.status); });
   std::string text;
+  if (!heard)
+    text += "nothing is heard: is the graph running with this --lcm-url and --channel-prefix?\n";
   if (any_old) text += "old: captured more than 100 s ago, as frames of a recording are\n";
   if (heard && !missing.empty()) {
     text += missing +

@@ -53,6 +53,7 @@ std::filesystem::path FrameFileNames::Of(const FrameId& id, const std::string& w
     }
   }
   ++files_;
+  frames_.insert(id);
   const auto [first, added] = utimes_.emplace(id.seq, id.utime);
   const std::string number = fmt::format("{:06}", id.seq);
   const bool other = !added && first->second != id.utime;

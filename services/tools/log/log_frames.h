@@ -36,7 +36,7 @@ class FrameFileNames {
     return [this, id](const std::string& what) { return Of(id, what); };
   }
 
-  int64_t frames() const { return static_cast<int64_t>(utimes_.size()); }
+  int64_t frames() const { return std::ssize(frames_); }
   int64_t files() const { return files_; }
 
   /// "; 12 files of other frames were there before" or nothing: a folder may hold an earlier run's.
@@ -45,7 +45,8 @@ class FrameFileNames {
  private:
   std::filesystem::path folder_;
   std::map<int64_t, int64_t> utimes_;  // of the first frame with a number
-  std::set<std::string> others_;       // files of frames that were there, and were not named
+  std::set<FrameId> frames_;
+  std::set<std::string> others_;  // files of frames that were there, and were not named
   int64_t files_ = 0;
 };
 

@@ -41,8 +41,10 @@ class StatusBoardTest : public ::testing::Test {
 
 TEST_F(StatusBoardTest, MissesTheStagesThatNobodyHeard) {
   EXPECT_THAT(Seen(), ElementsAre("capture missing", "grow missing"));
+  EXPECT_THAT(BoardText(board_.Rows(start_), false), HasSubstr("\nnothing is heard: is the graph"));
   board_.Add(Status("grow"), start_);
   EXPECT_THAT(Seen(), ElementsAre("capture missing", "grow good"));
+  EXPECT_THAT(BoardText(board_.Rows(start_), false), Not(HasSubstr("nothing is heard")));
   EXPECT_FALSE(Whole());
   board_.Add(Status("capture"), start_);
   EXPECT_TRUE(Whole());
