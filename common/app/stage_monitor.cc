@@ -180,7 +180,7 @@ void StageMonitor::CapturesFailed(int64_t count, const std::string& reason) {
 }
 
 void StageMonitor::FrameResent(const FrameId& id) {
-  LogLine(LogLevel::kWarning, "frame {}: no answer in time, sent again", id.seq);
+  LogLine(LogLevel::kWarning, "frame {}: no answer, sent again", id.seq);
   const std::lock_guard lock(mutex_);
   ++status_.frames_resent;
 }

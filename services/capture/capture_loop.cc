@@ -163,6 +163,7 @@ class Capture {
   struct InFlight {
     CaptureMessages frame;
     Clock::time_point sent;
+    bool is_overtaken = false;
   };
 
   // False when the feed has ended.
@@ -206,7 +207,7 @@ class Capture {
               status.frames_incomplete, status.bad_messages);
     }
     LogLine(LogLevel::kInfo,
-            "sent {} frames in {:.2f} s, {} again without an answer in time; {} could not be sent",
+            "sent {} frames in {:.2f} s, {} again without an answer; {} could not be sent",
             status.frames_out, std::chrono::duration<double>(time).count(), status.frames_resent,
             status.frames_failed);
   }
@@ -241,25 +242,38 @@ class Capture {
     }
   }
 
-  // Waits until at most `count` frames are without an answer; sends those again that wait too long.
+  // Waits until at most `count` frames are without an answer; sends those again that wait too long,
+  // or for an answer that will not come.
   void WaitForRoom(size_t count) {
     while (!stop_.stop_requested() && in_flight_.size() > count) {
       watchdog_.Idle();
       answers_.WaitForRoom(count, Clock::now() + std::chrono::milliseconds(200), stop_);
-      std::erase_if(in_flight_,
-                    [&](const InFlight& waiting) { return answers_.IsAnswered(waiting.frame.id); });
+      RemoveAnswered();
       PublishCalibrationWhenDue();
       SendOverdueAgain();
     }
   }
 
+  // Frames are answered in the order in which they were sent: one that was overtaken was skipped,
+  // as of several that wait for a stage only the newest is kept, or lost.
+  void RemoveAnswered() {
+    const auto is_answered = [&](const InFlight& one) { return answers_.IsAnswered(one.frame.id); };
+    const auto newest = std::find_if(in_flight_.rbegin(), in_flight_.rend(), is_answered);
+    std::for_each(newest, in_flight_.rend(), [](InFlight& one) { one.is_overtaken = true; });
+    std::erase_if(in_flight_, is_answered);
+  }
+
   void SendOverdueAgain() {
-    for (InFlight& waiting : in_flight_) {
-      if (Clock::now() < waiting.sent + ToClock(options_.lockstep_timeout)) continue;
-      monitor_.FrameResent(waiting.frame.id);
+    const auto oldest = Clock::now() - ToClock(options_.lockstep_timeout);
+    auto again = std::stable_partition(
+        in_flight_.begin(), in_flight_.end(),
+        [&](const InFlight& one) { return one.sent > oldest && !one.is_overtaken; });
+    for (; again != in_flight_.end(); ++again) {
+      monitor_.FrameResent(again->frame.id);
       PublishCalibration();
-      static_cast<void>(Publish(waiting.frame));
-      waiting.sent = Clock::now();
+      static_cast<void>(Publish(again->frame));
+      again->sent = Clock::now();
+      again->is_overtaken = false;
     }
   }
 
@@ -316,7 +330,7 @@ class Capture {
   int64_t late_ = 0;  // frames that were taken more than an interval too late
   Clock::time_point next_late_ = Clock::now() + std::chrono::seconds(2);  // rates need some frames
   Clock::time_point next_calibration_{};
-  std::vector<InFlight> in_flight_;
+  std::vector<InFlight> in_flight_;  // in the order in which they were sent
 };
 
 }  // namespace

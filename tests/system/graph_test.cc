@@ -105,6 +105,26 @@ TEST(GraphSystem, SendsAFrameAgainAndTheStagesTakeItTwice) {
   });
 }
 
+TEST(GraphSystem, SendsFramesAgainAsSoonAsLaterOnesAreAnswered) {
+  Graph graph;
+  graph.StartChain();
+  Process& capture = graph.StartOnly(
+      "capture", {"--source", kSource, "--frames", "24", "--rate", "20", "--lockstep", "8",
+                  "--lockstep-timeout", "3600", "--wait-for", "refine,prior,grow"});
+  ASSERT_TRUE(graph.WaitUntil([](Graph& g) { return g.parts.contains({Part::kDisparity, 3}); }));
+  // Refine finds several frames waiting, and skips all but the newest.
+  graph.process("refine").Signal(SIGSTOP);
+  ASSERT_TRUE(graph.WaitUntil([](Graph& g) { return g.parts.contains({Part::kLeft, 10}); }));
+  graph.process("refine").Signal(SIGCONT);
+  EXPECT_EQ(capture.Wait(std::chrono::seconds(30)), 0) << capture.Output();
+  ASSERT_TRUE(graph.WaitUntil(
+      [](Graph& g) { return g.statuses["capture"].state == StageStatus::State::kStopped; }));
+  graph.Look([](Graph& g) {
+    EXPECT_GT(g.statuses["capture"].frames_resent, 0);
+    for (int64_t seq = 0; seq < 24; ++seq) EXPECT_TRUE(g.parts.contains({Part::kDisparity, seq}));
+  });
+}
+
 TEST(GraphSystem, GoesOnWhenAStageIsKilledAndStartedAgain) {
   Graph graph;
   graph.StartChain();
