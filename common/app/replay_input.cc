@@ -82,6 +82,14 @@ void ReplayInput::Note(const LogEvent& event, Spans& spans) const {
   if (span.messages++ == 0) span.first_utime = span.last_utime = id->utime;
   span.first_utime = std::min(span.first_utime, id->utime);
   span.last_utime = std::max(span.last_utime, id->utime);
+  if (span.rigs.size() < kMaxRigs) span.rigs.insert(id->rig_id);
+}
+
+bool ReplayInput::AreOthers(const Span& left_out, const Span& read) {
+  if (left_out.last_utime < read.first_utime || left_out.first_utime > read.last_utime) return true;
+  return read.rigs.size() < kMaxRigs && std::ranges::none_of(left_out.rigs, [&](const auto& rig) {
+           return read.rigs.contains(rig);
+         });
 }
 
 std::vector<std::string> ReplayInput::LeftOut() const {
@@ -89,10 +97,7 @@ std::vector<std::string> ReplayInput::LeftOut() const {
   for (const Log& log : logs_) {
     for (const auto& [channel, left_out] : log.left_out) {
       const auto read = read_.find(channel);
-      const bool are_others =
-          read != read_.end() && (left_out.last_utime < read->second.first_utime ||
-                                  left_out.first_utime > read->second.last_utime);
-      if (!are_others) continue;
+      if (read == read_.end() || !AreOthers(left_out, read->second)) continue;
       lines.push_back(fmt::format(
           "{}: {} messages on {} are not used: a later --replay has that channel, of other frames; "
           "`sprout-log merge` joins the parts of a recording",

@@ -42,8 +42,9 @@ class ReplayInput {
 
   const ChannelCounts& channels() const { return channels_; }  ///< read so far
 
-  /// What was left out so far of frames all before, or all behind those that were read: two parts
-  /// of one recording, say. Of the ordering channels with frames; one line a log.
+  /// What was left out so far of frames all before, or all behind those that were read, as of two
+  /// parts of one recording, or all with other calibrations, as of two rigs. Of the ordering
+  /// channels with frames; one line a log.
   std::vector<std::string> LeftOut() const;
 
   /// Share of the bytes read so far, 0 to 1.
@@ -55,6 +56,7 @@ class ReplayInput {
     int64_t messages = 0;
     int64_t first_utime = 0;
     int64_t last_utime = 0;
+    std::set<std::string> rigs = {};  // rig_id of the frames; at most kMaxRigs
   };
   using Spans = std::map<std::string, Span, std::less<>>;  // by channel
 
@@ -68,6 +70,9 @@ class ReplayInput {
     size_t damage_seen = 0;
   };
 
+  static constexpr size_t kMaxRigs = 16;
+
+  static bool AreOthers(const Span& left_out, const Span& read);
   void Advance(Log& log);
   void Note(const LogEvent& event, Spans& spans) const;
   void ReportDamage(Log& log);

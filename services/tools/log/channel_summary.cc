@@ -53,6 +53,7 @@ void Sequence::Add(const FrameId& id) {
     ++repeated_;
     return;
   }
+  if (rigs_.size() < kMaxRigs) rigs_.insert(id.rig_id);
   recent_.push_back(id);
   if (recent_.size() > kRecentFrames) recent_.pop_front();
   first_ = std::min(first_.value_or(id.seq), id.seq);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -40,6 +41,8 @@ class Sequence {
   int64_t late() const { return late_; }                   ///< frames that stand behind later ones
   int64_t times_back() const { return times_back_; }       ///< frames whose number alone rose
   int64_t restarts() const { return restarts_; }           ///< of capture, with smaller numbers
+  const std::set<std::string>& rigs() const { return rigs_; }  ///< rig_id; at most kMaxRigs
+  static constexpr size_t kMaxRigs = 16;
 
   /// The first few gaps as text: "7, 12-15"; "..." means others. Behind ExpectEvery() "3 in all".
   std::string GapText() const;
@@ -57,6 +60,7 @@ class Sequence {
   int64_t late_ = 0;
   int64_t times_back_ = 0;
   int64_t restarts_ = 0;
+  std::set<std::string> rigs_;
 };
 
 /// Summary of one channel of a log.

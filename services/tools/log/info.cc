@@ -14,6 +14,7 @@
 #include "common/app/status_board.h"
 #include "common/config/config.h"
 #include "common/core/frame.h"
+#include "common/core/joined.h"
 #include "common/core/printable.h"
 #include "common/messages/codec.h"
 #include "common/messages/message_type.h"
@@ -165,6 +166,17 @@ std::string Table(const LogSummary& log) {
   return text;
 }
 
+// Raw images have none.
+std::string RigsText(const LogSummary& log) {
+  std::set<std::string> rigs;
+  for (const auto& [name, channel] : log.channels) {
+    for (const std::string& rig : channel.sequence().rigs()) rigs.insert(Printable(rig));
+  }
+  rigs.erase("");
+  if (rigs.size() < 2) return "";
+  return fmt::format("frames of several calibrations, rig_id: {}\n", Joined(", ", rigs));
+}
+
 std::string Remarks(const LogSummary& log) {
   std::string text;
   if (IsOfAnotherGraph(log)) {
@@ -191,6 +203,7 @@ std::string Remarks(const LogSummary& log) {
                           Printable(channel.first_error()));
     }
   }
+  text += RigsText(log);
   if (log.set_back > 0) {
     text += fmt::format(
         "the clock was set back, times: {}, by {:.3f} s at most: times and rates above are wrong\n",

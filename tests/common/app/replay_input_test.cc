@@ -65,6 +65,21 @@ TEST_F(ReplayInputTest, SaysWhatIsLeftOutOfOtherFrames) {
   }
 }
 
+TEST_F(ReplayInputTest, SaysWhatIsLeftOutOfAnotherRig) {
+  TestEvent other = LeftEvent(0, 10);
+  FrameId id = TestId(0);
+  id.rig_id = "other";
+  other.data = EncodePart(id, Part::kLeft, cv::Mat(2, 3, CV_8UC1, cv::Scalar(10)));
+  const auto left_out = [&](const TestEvent& a, const TestEvent& b) {
+    ReplayInput input({Write("a", {a}), Write("b", {b})}, "", {"SPROUT_LEFT"});
+    for (LogEvent event; input.Next(event);) {
+    }
+    return input.LeftOut().size();
+  };
+  EXPECT_EQ(left_out(LeftEvent(0, 10), other), 1);
+  EXPECT_EQ(left_out(LeftEvent(0, 10), LeftEvent(0, 11)), 0);
+}
+
 TEST_F(ReplayInputTest, ALateEventWaitsForThoseBeforeItButNotForOnesThatNobodyTakes) {
   const std::string a = Write("a", {{1, "A", {}}, {9, "X", {}}, {5, "A", {}}, {3, "A", {}}});
   const std::string b = Write("b", {{4, "B", {}}, {6, "B", {}}, {7, "B", {}}});

@@ -112,6 +112,17 @@ TEST_F(LogInfo, HasAllFramesWhateverTheirOrder) {
   EXPECT_THAT(out, HasSubstr("SPROUT_LEFT: frames that stand behind later ones: 4\n"));
 }
 
+TEST_F(LogInfo, NamesTheCalibrationsOfTwoRigs) {
+  std::vector<Event> events = GraphEvents(2);
+  EXPECT_THAT(OutOf({"info", folder_.Write("log", events)}), Not(HasSubstr("calibrations")));
+  FrameId id = LogFrameId(2);
+  id.rig_id = "beef";
+  events.push_back(PartEvent(Part::kLeft, 2));
+  events.back().data = EncodePart(id, Part::kLeft, LogValue(Part::kLeft, 2));
+  EXPECT_THAT(OutOf({"info", folder_.Write("log", events)}),
+              HasSubstr("\nframes of several calibrations, rig_id: beef, cafe\n"));
+}
+
 TEST_F(LogInfo, CountsFramesWhoseTimeDoesNotRise) {
   std::vector<Event> events = {PartEvent(Part::kLeft, 0), PartEvent(Part::kLeft, 1)};
   FrameId id = LogFrameId(2);
