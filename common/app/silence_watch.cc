@@ -83,6 +83,10 @@ std::string CountsText(const MessageCounts& counts) {
   return fmt::format("{}", fmt::join(texts, ", "));
 }
 
+bool IsOfConfidence(const std::string& channel) {
+  return channel.ends_with("SPROUT_CONFIDENCE") || channel.ends_with("SPROUT_SIGMA");
+}
+
 // Twins that are remembered; anybody can invent more.
 constexpr size_t kMaxTwins = 32;
 
@@ -103,6 +107,9 @@ std::string SilenceText(const std::vector<std::string>& needed, const MessageCou
                                        "capture, and do they come in time?"
                                      : fmt::format("no whole frame, nothing heard on {}",
                                                    fmt::join(missing, ", "));
+  if (!missing.empty() && std::ranges::all_of(missing, IsOfConfidence)) {
+    text += ", which grow sends with grow { publish_confidence: true }, not in preset fast";
+  }
   text += present.empty() ? "; nothing else is heard either"
                           : "; heard in a second: " + CountsText(present);
   if (const std::vector<std::string> torn = TornChannels(begun, present); !torn.empty()) {

@@ -20,6 +20,15 @@ TEST(SilenceText, NamesWhatIsMissingAndWhatIsHeardInstead) {
                           ::testing::Not(HasSubstr("prefix"))));
 }
 
+TEST(SilenceText, TellsWhatSendsConfidence) {
+  const MessageCounts both = {{"SPROUT_LEFT", 5}, {"SPROUT_DISPARITY", 5}};
+  EXPECT_THAT(
+      SilenceText({"SPROUT_LEFT", "SPROUT_DISPARITY", "SPROUT_CONFIDENCE"}, both, both),
+      HasSubstr("nothing heard on SPROUT_CONFIDENCE, which grow sends with grow { publish"));
+  EXPECT_THAT(SilenceText({"SPROUT_DISPARITY", "SPROUT_CONFIDENCE"}, {}, {}),
+              ::testing::Not(HasSubstr("publish_confidence")));
+}
+
 TEST(SilenceText, TellsWhoseMessagesComeInPart) {
   const std::string text = SilenceText({"SPROUT_LEFT", "SPROUT_RIG"}, {}, {{"SPROUT_RIG", 1}},
                                        {{"SPROUT_LEFT", 1}, {"SPROUT_RIG", 1}});
