@@ -17,6 +17,12 @@ namespace {
 
 constexpr size_t kMaxQueuedBytes = size_t{1} << 29;
 
+// Frames without a confidence until that is told.
+constexpr int64_t kMaxUnjudged = 30;
+constexpr char kUnjudgedText[] =
+    "--trigger-confidence cannot trigger: frames come, and no SPROUT_CONFIDENCE, which grow sends "
+    "with grow { publish_confidence: true }, not in preset fast";
+
 // The first one that every frame has; RIG comes once a second.
 std::optional<Part> CountedPart(const std::vector<std::string>& channels) {
   for (const PartRow& row : kPartTable) {
@@ -143,6 +149,9 @@ void Recording::Receive(std::string_view channel, std::span<const uint8_t> bytes
   if (IsOwn(channel, bytes)) return;
   if (record && !heard_.contains(channel)) heard_.emplace(channel);
   if (const auto part = PartOf(channel); part && record) CountFrame(*part, bytes);
+  if (channel == ChannelOf(Part::kConfidence) && std::exchange(unjudged_, 0) >= kMaxUnjudged) {
+    monitor_.Resolve(kUnjudgedText);
+  }
   if (record || channel == ChannelOf(Part::kConfidence)) {
     const auto kind = record ? QueuedEvent::Kind::kMessage : QueuedEvent::Kind::kLookAt;
     if (!queue_.Put({.kind = kind, .event = MakeEvent(std::string(channel), bytes)})) {
@@ -170,6 +179,10 @@ void Recording::CountFrame(Part part, std::span<const uint8_t> bytes) {
   for (const auto& [of_part, seen] : gaps_) gaps += seen.count();
   monitor_.SetJoinerCounts(/*incomplete=*/0, gaps);
   if (part != counted_part_) return;
+  if (options_.trigger_confidence && ++unjudged_ == kMaxUnjudged) {
+    monitor_.Warn(kUnjudgedText);
+    monitor_.HoldWarning(kUnjudgedText);
+  }
   monitor_.FrameIn(/*skipped=*/false);
   monitor_.FrameOut(*id, StageMonitor::Clock::now(), /*degenerate=*/"");
 }

@@ -172,6 +172,21 @@ TEST_F(RecordRobot, KeepsWhatAMessageOrALowConfidenceAsksFor) {
   EXPECT_TRUE(channels.contains("A_SPROUT_STATUS"));
 }
 
+TEST_F(RecordRobot, SaysThatNoConfidenceComesThatCouldTrigger) {
+  Graph graph;
+  graph.Start("record", {"--dir", folder_ / "logs", "--ring", "5", "--trigger-confidence", "0.5"});
+  const auto publish = [&](int64_t seq, Part part) {
+    graph.PublishPart({.utime = NowUtime(), .seq = seq, .rig_id = "a"}, part,
+                      cv::Mat(cv::Mat1b(9, 9, 200)));
+  };
+  for (int64_t seq = 0; seq < 30; ++seq) publish(seq, Part::kLeft);
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
+    return g.statuses["record"].last_error.starts_with("--trigger-confidence cannot trigger");
+  }));
+  publish(29, Part::kConfidence);
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) { return g.statuses["record"].last_error.empty(); }));
+}
+
 TEST_F(RecordRobot, GoesOnInTheNextLogWithoutAGap) {
   const fs::path logs = folder_ / "logs";
   Graph graph("A_");
