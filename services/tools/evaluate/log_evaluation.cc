@@ -11,6 +11,7 @@
 #include "common/scenes/same_picture.h"
 #include "services/tools/evaluate/scene.h"
 #include "services/tools/evaluate/tables.h"
+#include "services/tools/evaluate/truth_check.h"
 
 namespace sprout::evaluate {
 namespace {
@@ -41,13 +42,14 @@ void AddTo(Accuracy& sum, const Accuracy& one) {
 
 }  // namespace
 
-LogEvaluation::Row LogEvaluation::Evaluate(const Frame& frame) const {
+LogEvaluation::Row LogEvaluation::Evaluate(const Frame& frame) {
   Row row{.quality = QualityOf(frame), .maps = {}};
   if (truth_ == nullptr || !frame.disparity || frame.id.seq < 0) return row;
   const std::optional<int64_t> count = truth_->frame_count();
   const scenes::DatasetFrame captured = truth_->Get(count ? frame.id.seq % *count : frame.id.seq);
   const scenes::GroundTruth& truth = captured.truth;
   if (truth.left.empty()) return row;
+  if (rows_.empty()) wrong_truth_ = WrongTruthText(captured, truth_->rig().pair);
   const cv::Mat1b seen = VisibilityOf(truth).nonoccluded;
   const auto score = [&](const char* name, const DisparityImage& map) {
     const Result<Accuracy> accuracy = Score(map, truth.left, seen);

@@ -48,16 +48,20 @@ class LogEvaluation {
 
   int64_t answered() const;
 
+  /// WrongTruthText() of the first frame.
+  const std::string& wrong_truth() const { return wrong_truth_; }
+
  private:
   struct Row {
     FrameQuality quality;
     std::map<std::string, Accuracy> maps;  // prior, grown, filled; with ground truth only
   };
 
-  Row Evaluate(const Frame& frame) const;
+  Row Evaluate(const Frame& frame);
 
   std::unique_ptr<scenes::Dataset> truth_;
   std::map<std::pair<int64_t, int64_t>, Row> rows_;  // by utime and seq
+  std::string wrong_truth_;
 };
 
 }  // namespace sprout::evaluate

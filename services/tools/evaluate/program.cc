@@ -344,7 +344,10 @@ int RunLog(const Options& options, const ReadLog& read_log) {
   if (!options.json.empty()) WriteWhole(options.json, evaluation.Json());
   if (!options.csv.empty()) WriteWhole(options.csv, evaluation.Csv());
   if (!options.quiet) std::cout << evaluation.Table();
-  return 0;
+  if (evaluation.wrong_truth().empty()) return 0;
+  std::cerr << "sprout-evaluate: --truth " << options.truth << ": " << evaluation.wrong_truth()
+            << "\n";
+  return 1;
 }
 
 }  // namespace

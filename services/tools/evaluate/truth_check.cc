@@ -11,17 +11,6 @@
 namespace sprout::evaluate {
 namespace {
 
-// What is wrong with the truth, taken for ranges.
-std::string WrongRangesText(const Scene& scene) {
-  constexpr int kStepPx = 3;  // KITTI's truth has gaps between the beams
-  const RectifiedPair& pair = scene.projector.rig().pair;
-  if (std::min(pair.width, pair.height) < kStepPx) return "";
-  const Rig rig{.pair = pair, .tof = scenes::TofGridCamera(pair, kStepPx)};
-  return BadText(inputs::CheckInputs(scene.left_grey, scene.right_grey,
-                                     scenes::SampleTofGrid(pair, kStepPx, scene.frame.truth.left),
-                                     rig));
-}
-
 // Of the points of a scan on pixels with a known truth: the share within 1 px of it.
 double ShareOnTruth(const Scene& scene) {
   constexpr size_t kLeast = 100;  // points that tell something
@@ -41,11 +30,19 @@ double ShareOnTruth(const Scene& scene) {
 
 }  // namespace
 
+std::string WrongTruthText(const scenes::DatasetFrame& frame, const RectifiedPair& pair) {
+  constexpr int kStepPx = 3;  // KITTI's truth has gaps between the beams
+  if (std::min(pair.width, pair.height) < kStepPx) return "";
+  const Rig rig{.pair = pair, .tof = scenes::TofGridCamera(pair, kStepPx)};
+  const std::string text = BadText(inputs::CheckInputs(
+      frame.left, frame.right, scenes::SampleTofGrid(pair, kStepPx, frame.truth.left), rig));
+  return text.empty() ? "" : "the ground truth does not fit the images; taken for ranges: " + text;
+}
+
 std::string WrongTruthText(const Scene& scene) {
   constexpr double kLeastOnTruth = 0.75;
-  if (const std::string text = WrongRangesText(scene); !text.empty()) {
-    return "the ground truth does not fit the images; taken for ranges: " + text;
-  }
+  const std::string text = WrongTruthText(scene.frame, scene.projector.rig().pair);
+  if (!text.empty()) return text;
   const double on_truth = scene.truth_is_scan ? ShareOnTruth(scene) : 1;
   if (on_truth >= kLeastOnTruth) return "";
   return fmt::format(

@@ -6,16 +6,14 @@
 
 namespace sprout::evaluate {
 
-/// Says when the ground truth fits neither the images nor the range sensor, so that a score says
-/// nothing; empty when all is well:
-///
-/// * as ranges of a sensor in the left camera's place it is wrong (inputs::CheckInputs()): of
-///   another scale, picture or view, or upside down;
-/// * fewer than 75 % of a recorded scan's points on pixels with a known truth lie within 1 px of it
-///   (KITTI 2015: 86 to 99 %): the calibration is that of another recording. One whose focal length
-///   is off by 0.4 % is not noticed.
-///
-/// O(pixels).
+/// Says when the ground truth does not fit the images, so that a score says nothing: as ranges of a
+/// sensor in the left camera's place it is wrong (inputs::CheckInputs()), of another scale, picture
+/// or view, or upside down. Empty when all is well. O(pixels).
+std::string WrongTruthText(const scenes::DatasetFrame& frame, const RectifiedPair& pair);
+
+/// The same, and when fewer than 75 % of a recorded scan's points on pixels with a known truth lie
+/// within 1 px of it (KITTI 2015: 86 to 99 %): the calibration is that of another recording. One
+/// whose focal length is off by 0.4 % is not noticed. O(pixels).
 std::string WrongTruthText(const Scene& scene);
 
 }  // namespace sprout::evaluate

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "services/tools/evaluate/log_evaluation.h"
 #include "tests/common/scenes/kitti_folder.h"
 
 namespace sprout::evaluate {
@@ -21,6 +22,33 @@ TEST(TruthCheck, NamesATruthOfAnotherScaleOrPicture) {
   Scene turned = Synthetic();
   cv::flip(turned.frame.truth.left, turned.frame.truth.left, 0);
   EXPECT_THAT(WrongTruthText(turned), HasSubstr("upside down"));
+}
+
+// The synthetic scene with a truth of half its scale.
+class HalfTruth : public scenes::Dataset {
+ public:
+  const Rig& rig() const override { return scene_->rig(); }
+  std::optional<int64_t> frame_count() const override { return scene_->frame_count(); }
+  scenes::DatasetFrame Get(int64_t index) override {
+    scenes::DatasetFrame frame = scene_->Get(index);
+    frame.truth.left *= 0.5;
+    return frame;
+  }
+
+ private:
+  std::unique_ptr<scenes::Dataset> scene_ = scenes::OpenDataset("synthetic:640x480");
+};
+
+TEST(TruthCheck, NamesTheTruthOfALogToo) {
+  for (const bool is_half : {false, true}) {
+    auto scene = scenes::OpenDataset("synthetic:640x480");
+    Frame frame;
+    frame.id = {.utime = 0, .seq = 0, .rig_id = ""};
+    frame.disparity = FromPx(scene->Get(0).truth.left);
+    LogEvaluation log(is_half ? std::make_unique<HalfTruth>() : std::move(scene));
+    log.Add(frame);
+    EXPECT_EQ(log.wrong_truth().starts_with("the ground truth does not fit"), is_half);
+  }
 }
 
 // A wall at 10 m, 5 px, that a scan measures at every other pixel, off by so much.
