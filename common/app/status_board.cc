@@ -95,7 +95,11 @@ std::string HostsText(const std::vector<BoardRow>& rows) {
   std::string text;
   if (!heard)
     text += "nothing is heard: is the graph running with this --lcm-url and --channel-prefix?\n";
-  if (any_old) text += "old: captured more than 100 s ago, as frames of a recording are\n";
+  if (any_old) {
+    text +=
+        "old: captured more than 100 s ago, as frames of a recording are, and those whose utime is "
+        "not in µs since 1970\n";
+  }
   if (heard && !missing.empty()) {
     text += missing +
             ": not heard here; if on another host: ttl=1 in every --lcm-url, no route of the group "

@@ -12,6 +12,7 @@
 #include "common/app/compute.h"
 #include "common/app/log.h"
 #include "common/bus/channels.h"
+#include "common/core/printable.h"
 #include "common/core/sleep.h"
 #include "common/measure/frame_quality.h"
 #include "common/messages/codec.h"
@@ -87,6 +88,10 @@ void LogFile::Read(const std::stop_token& stop) {
       const std::string other = index_.OtherPrefixText();
       complaint_ = path_.string() + ": no frames" + (other.empty() ? "" : "; " + other);
     }
+    if (complaint_.empty() && refused_ > 0) {
+      complaint_ = fmt::format("{}: messages that are not used: {}, the first {}", path_.string(),
+                               refused_, first_refused_);
+    }
     if (!complaint_.empty()) LogLine(LogLevel::kWarning, complaint_);
   }
   progress_ = 1;
@@ -101,7 +106,11 @@ void LogFile::Add(const LogEvent& event) {
     return;
   }
   const std::lock_guard lock(mutex_);
-  index_.Add(event);
+  index_.Add(event, [this](const LogEvent& refused, const std::string& why) {
+    if (refused_++ > 0) return;
+    first_refused_ =
+        fmt::format("{} at byte {}: {}", Printable(refused.channel), refused.offset, why);
+  });
 }
 
 StoredBytes LogFile::Fetch(int64_t offset) const {

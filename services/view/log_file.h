@@ -76,6 +76,8 @@ class LogFile : public FrameSource {
   FrameIndex index_;
   std::map<int64_t, Quality> qualities_;  // by key
   std::string complaint_;
+  int64_t refused_ = 0;  // messages
+  std::string first_refused_;
   std::atomic<double> progress_ = 0;
   std::atomic<bool> settled_ = false;
   std::jthread thread_;  // last: stops before the rest is destroyed

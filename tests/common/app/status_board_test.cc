@@ -192,7 +192,8 @@ TEST_F(StatusBoardTest, CallsFramesOfARecordingOld) {
   board_.Add(status, start_);
   const std::string text = BoardText(board_.Rows(start_), false);
   EXPECT_THAT(text, Not(HasSubstr("328368")));
-  EXPECT_THAT(text, HasSubstr("old: captured more than 100 s ago, as frames of a recording are"));
+  EXPECT_THAT(text, HasSubstr("old: captured more than 100 s ago, as frames of a recording are, "
+                              "and those whose utime is not in µs since 1970\n"));
 }
 
 TEST_F(StatusBoardTest, KeepsNoMoreThan64Processes) {

@@ -104,6 +104,17 @@ TEST_F(ViewLogTest, SaysThatALogIsEmpty) {
   EXPECT_TRUE(nlohmann::json::parse(log->TimeLineText(10))["buckets"].empty());
 }
 
+TEST_F(ViewLogTest, SaysThatMessagesAreNotUsed) {
+  Rig other = ViewRig();
+  other.pair.focal_px += 1;
+  LogWriter writer(path_);
+  writer.Write(1, "SPROUT_LEFT", Encoded(0, Part::kLeft, ViewImage(0)));
+  writer.Write(2, "SPROUT_RIG", Encoded(0, Part::kRig, ViewRig()));
+  writer.Write(3, "SPROUT_RIG", Encoded(1, Part::kRig, other));
+  writer.Close();
+  EXPECT_THAT(Open()->complaint(), HasSubstr("not used: 1, the first SPROUT_RIG at byte "));
+}
+
 TEST_F(ViewLogTest, SaysThatThePrefixIsAnother) {
   Write("B_");
   EXPECT_THAT(Open("A_")->complaint(), HasSubstr("channels as B_SPROUT_"));
