@@ -10,11 +10,11 @@
 namespace sprout::grow {
 namespace {
 
-const cv::Size kSize(480, 360);
-constexpr int kDisparity = 20;
+const cv::Size kWallSize(480, 360);
+constexpr int kWallPx = 20;
 
-cv::Mat1b Texture(int seed) {
-  cv::Mat1b image(kSize);
+cv::Mat1b RandomImage(int seed) {
+  cv::Mat1b image(kWallSize);
   cv::RNG(static_cast<uint64_t>(seed)).fill(image, cv::RNG::UNIFORM, 0, 256);
   cv::GaussianBlur(image, image, {}, 1.5);
   cv::normalize(image, image, 0, 255, cv::NORM_MINMAX);
@@ -23,22 +23,22 @@ cv::Mat1b Texture(int seed) {
 
 // A wall whose map is right, and claims so.
 struct Wall {
-  cv::Mat1b left = Texture(1);
-  cv::Mat1b right{kSize};
-  DisparityImage map{cv::Mat1s(kSize, ToCounts(kDisparity))};
+  cv::Mat1b left = RandomImage(1);
+  cv::Mat1b right{kWallSize};
+  DisparityImage map{cv::Mat1s(kWallSize, ToCounts(kWallPx))};
   std::vector<Seed> seeds;
   cv::Mat1b sigma_prior;
 
   Wall() { Turn(0, 1); }
   // Another right camera.
   void Turn(double degrees, double scale, double rows = 0) {
-    cv::Mat1d moved = cv::getRotationMatrix2D(cv::Point2f(kSize) / 2, degrees, scale);
-    moved(0, 2) -= kDisparity;
+    cv::Mat1d moved = cv::getRotationMatrix2D(cv::Point2f(kWallSize) / 2, degrees, scale);
+    moved(0, 2) -= kWallPx;
     moved(1, 2) += rows;
-    cv::warpAffine(left, right, moved, kSize, cv::INTER_LINEAR, cv::BORDER_REFLECT);
+    cv::warpAffine(left, right, moved, kWallSize, cv::INTER_LINEAR, cv::BORDER_REFLECT);
   }
   ConfidenceEstimator::Judgement Claimed() const {
-    return {cv::Mat1b(kSize, uint8_t{200}), cv::Mat1b(kSize, uint8_t{4})};
+    return {cv::Mat1b(kWallSize, uint8_t{200}), cv::Mat1b(kWallSize, uint8_t{4})};
   }
   JudgedFrame Frame() const { return {left, right, seeds, sigma_prior, map, map}; }
   RowCheck Check() const { return CheckRows(Frame(), Claimed().confidence); }
@@ -51,7 +51,7 @@ TEST(RowCheck, SaysNothingOfAMapThatIsRight) {
   EXPECT_NEAR(wall.Check().claimed, 200 / 255.0, 1e-6);
   auto judged = wall.Claimed();
   EXPECT_EQ(BoundByRows(wall.Frame(), judged), "");
-  EXPECT_EQ(cv::countNonZero(judged.confidence == 200), kSize.area());
+  EXPECT_EQ(cv::countNonZero(judged.confidence == 200), kWallSize.area());
 }
 
 TEST(RowCheck, FindsColumnsThatAreOffAsRowsAre) {
@@ -79,7 +79,7 @@ TEST(RowCheck, BoundsConfidenceByThem) {
 // Half of the map is 7 px off.
 TEST(RowCheck, FindsTheShareThatIsRight) {
   Wall wall;
-  wall.map.counts().colRange(0, kSize.width / 2) = ToCounts(kDisparity + 7);
+  wall.map.counts().colRange(0, kWallSize.width / 2) = ToCounts(kWallPx + 7);
   const RowCheck check = wall.Check();
   EXPECT_NEAR(check.right_share, 0.5 + 3 * 0.5 / std::sqrt(280) / 0.6, 0.12);
   auto judged = wall.Claimed();
@@ -90,7 +90,7 @@ TEST(RowCheck, FindsTheShareThatIsRight) {
 
 TEST(RowCheck, BelievesNothingOfAnotherScene) {
   Wall wall;
-  wall.right = Texture(2);
+  wall.right = RandomImage(2);
   auto judged = wall.Claimed();
   BoundByRows(wall.Frame(), judged);
   EXPECT_LT(judged.confidence(100, 100), 0.25 * 255);
@@ -98,9 +98,9 @@ TEST(RowCheck, BelievesNothingOfAnotherScene) {
 
 TEST(RowCheck, LeavesWhatRangesShow) {
   Wall wall;
-  wall.right = Texture(2);
-  for (int v = 0; v < kSize.height; v += 10) {
-    for (int u = kSize.width / 2; u < kSize.width; u += 10) {
+  wall.right = RandomImage(2);
+  for (int v = 0; v < kWallSize.height; v += 10) {
+    for (int u = kWallSize.width / 2; u < kWallSize.width; u += 10) {
       const auto column = static_cast<float>(u);
       wall.seeds.push_back({.u = column, .v = static_cast<float>(v), .u_right = column - 20});
     }
