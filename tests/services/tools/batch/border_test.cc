@@ -4,7 +4,6 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <map>
 
 #include "common/app/process.h"
 #include "common/config/config.h"
@@ -165,12 +164,12 @@ TEST_F(FoundLogsTest, RefusesWhatCannotStandInAManifest) {
   for (const char* name : {"a.lcm", "\u00fc.lcm"}) WriteFile(folder_ / name, "x");
   const std::string path = (folder_ / "").string();
   EXPECT_THAT(FindLogs({folder_ / ""}), ElementsAre(path + "a.lcm", path + "\u00fc.lcm"));
-  for (const auto& [name, shown] : std::map<std::string, std::string>{
-           {"b\xe4.lcm", "b\\xe4.lcm"}, {"c\nd.lcm", "c\\x0ad.lcm"}}) {
-    WriteFile(folder_ / name.c_str(), "x");
+  for (const auto& [name, shown] :
+       {std::pair("b\xe4.lcm", "b\\xe4.lcm"), std::pair("c\nd.lcm", "c\\x0ad.lcm")}) {
+    WriteFile(folder_ / name, "x");
     EXPECT_THAT(Thrown<ConfigError>([&] { FindLogs({folder_ / ""}); }),
-                HasSubstr(shown + "': allowed is UTF-8 without control characters"));
-    std::filesystem::remove(folder_ / name.c_str());
+                HasSubstr(std::string(shown) + "': allowed is UTF-8 without control characters"));
+    std::filesystem::remove(folder_ / name);
   }
 }
 
@@ -398,5 +397,4 @@ TEST_F(FoundLogsTest, LeavesOutWhatBatchesAnswered) {
 }
 
 }  // namespace
-
 }  // namespace sprout::batch
