@@ -105,8 +105,7 @@ std::string SilenceText(const std::vector<std::string>& needed, const MessageCou
   std::string text = missing.empty() ? "no frame has all its messages, though every channel is "
                                        "heard: have they one utime, seq and rig_id, that of "
                                        "capture, and do they come in time?"
-                                     : fmt::format("no whole frame, nothing heard on {}",
-                                                   fmt::join(missing, ", "));
+                                     : fmt::format("nothing heard on {}", fmt::join(missing, ", "));
   if (!missing.empty() && std::ranges::all_of(missing, IsOfConfidence)) {
     text += ", which grow sends with grow { publish_confidence: true }, not in preset fast";
   }
@@ -176,7 +175,7 @@ void SilenceWatch::Warn(const std::stop_token& stop) {
   try {
     heard.emplace(url_, stop);
   } catch (const std::exception& e) {  // also of a machine without memory or threads left
-    text = std::string("no whole frame, and nothing can be heard: ") + e.what();
+    text = std::string("what is waited for does not come, and nothing can be heard: ") + e.what();
   }
   if (stop.stop_requested()) return;  // it did not listen long enough to say what is missing
   const std::lock_guard lock(mutex_);

@@ -19,7 +19,7 @@ namespace sprout {
 /// Messages received, by channel.
 using MessageCounts = std::map<std::string, int64_t>;
 
-/// Why no frame came, in one line: which channels are missing, and which ones have messages.
+/// Why no whole frame came, in one line: which channels are missing, and which ones have messages.
 /// @param needed   channels that make a frame, with prefix.
 /// @param counts   of these, since the last whole frame. @param present of all channels, during a
 ///                 short time.
@@ -44,7 +44,7 @@ class SilenceWatch {
   /// A message came on one of the channels.
   void Heard(std::string_view channel);
 
-  /// A whole frame came.
+  /// A whole frame came, or whatever else is waited for.
   void HeardFrame();
 
  private:

@@ -43,6 +43,12 @@ std::vector<std::string_view> Subscriptions(const RecordingOptions& options) {
   return channels;
 }
 
+// Whose silence is told: whoever names channels wants each of them.
+std::vector<std::string_view> Awaited(const RecordingOptions& options) {
+  if (!options.named) return {ChannelOf(Part::kLeft)};
+  return {options.channels.begin(), options.channels.end()};
+}
+
 }  // namespace
 
 Recorder::Recorder(const std::optional<RingOptions>& ring, LogFolder& folder) : folder_(folder) {
@@ -110,6 +116,7 @@ Recording::Recording(const ServiceContext& context, RecordingOptions options, St
       queue_(kMaxQueuedBytes),
       folder_(options_.folder, [this] { return StatusEvent(); }),
       recorder_(options_.ring, folder_) {
+  silence_.emplace(context, Awaited(options_), monitor_);
   if (options_.compress) compressor_.emplace(options_.jpeg_quality);
   receiver_.emplace(
       context.lcm_url, prefix_, Subscriptions(options_),
@@ -147,7 +154,7 @@ bool Recording::IsRecorded(std::string_view channel) const {
 void Recording::Receive(std::string_view channel, std::span<const uint8_t> bytes) try {
   const bool record = IsRecorded(channel);
   if (IsOwn(channel, bytes)) return;
-  if (record && !heard_.contains(channel)) heard_.emplace(channel);
+  if (record) Hear(channel);
   if (const auto part = PartOf(channel); part && record) CountFrame(*part, bytes);
   if (channel == ChannelOf(Part::kConfidence) && std::exchange(unjudged_, 0) >= kMaxUnjudged) {
     monitor_.Resolve(kUnjudgedText);
@@ -161,6 +168,13 @@ void Recording::Receive(std::string_view channel, std::span<const uint8_t> bytes
   if (channel == options_.trigger_channel) Trigger("a message on " + std::string(channel));
 } catch (const std::bad_alloc&) {
   Drop(channel);
+}
+
+// A misspelt channel is told while it can still be mended, not at the end.
+void Recording::Hear(std::string_view channel) {
+  if (!heard_.contains(channel)) heard_.emplace(channel);
+  silence_->Heard(channel);
+  if (!options_.named || heard_.size() == options_.channels.size()) silence_->HeardFrame();
 }
 
 void Recording::Drop(std::string_view channel) {
@@ -277,6 +291,7 @@ void Recording::Fail(const std::string& reason) {
 
 void Recording::Finish() {
   receiver_.reset();
+  silence_.reset();
   queue_.Close();
   writing_.join();
   unwritten_ = static_cast<int64_t>(queue_.size());

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/app/service_context.h"
+#include "common/app/silence_watch.h"
 #include "common/app/stage_monitor.h"
 #include "common/bus/receiver.h"
 #include "common/core/frame.h"
@@ -125,6 +126,7 @@ class Recording {
   bool IsRecorded(std::string_view channel) const;
   void Receive(std::string_view channel, std::span<const uint8_t> bytes);
   void Drop(std::string_view channel);
+  void Hear(std::string_view channel);
   void CountFrame(Part part, std::span<const uint8_t> bytes);
   void WriteAll();
   void Handle(QueuedEvent item);
@@ -152,6 +154,7 @@ class Recording {
   LogFolder folder_;
   Recorder recorder_;
   std::jthread writing_;
+  std::optional<SilenceWatch> silence_;
   std::optional<Receiver> receiver_;
 };
 

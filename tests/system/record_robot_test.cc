@@ -136,6 +136,17 @@ TEST_F(RecordRobot, NamesChannelsOnWhichNothingCame) {
   EXPECT_THAT(record.Output(), HasSubstr("missing: none; nothing came on SPROUT_RIGTH\n"));
 }
 
+TEST_F(RecordRobot, SaysWhileItRecordsOnWhichChannelsNothingComes) {
+  Graph graph;
+  graph.Start("capture", kCamera);
+  graph.Start("record", {"--dir", folder_ / "logs", "--channels", "SPROUT_LEFT,SPROUT_RIGTH"});
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
+    const std::string& said = g.statuses["record"].last_error;
+    return said.starts_with("nothing heard on SPROUT_RIGTH; heard in a second: ") &&
+           said.find("SPROUT_RIGHT (") != std::string::npos;
+  }));
+}
+
 TEST_F(RecordRobot, SaysSoWhenNothingCameIntoTheRing) {
   EXPECT_THAT(OutputOf({"sprout-record", "--dir", folder_ / "logs", "--ring", "5",
                         "--channel-prefix", "NOBODY_", "--seconds", "1"},

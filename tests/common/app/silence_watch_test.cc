@@ -64,7 +64,7 @@ TEST(SilenceWatch, WaitsThreeIntervalsOfASlowCamera) {
   for (int i = 0; i < 100 && log.Lines().empty(); ++i) {
     std::this_thread::sleep_for(milliseconds(100));
   }
-  EXPECT_THAT(log.Lines(), ElementsAre(HasSubstr("no whole frame")));
+  EXPECT_THAT(log.Lines(), ElementsAre(HasSubstr("what is waited for does not come")));
 }
 
 TEST(SilenceWatch, WarnsAgainWhenMoreIsHeard) {
@@ -82,7 +82,8 @@ TEST(SilenceWatch, WarnsAgainWhenMoreIsHeard) {
   wait_for(1);
   silence.Heard("SPROUT_RIG");
   wait_for(2);
-  EXPECT_THAT(log.Lines(), ElementsAre(HasSubstr("no whole frame"), HasSubstr("no whole frame")));
+  EXPECT_THAT(log.Lines(), ElementsAre(HasSubstr("what is waited for does not come"),
+                                       HasSubstr("what is waited for does not come")));
   std::this_thread::sleep_for(milliseconds(1500));  // nothing new
   EXPECT_EQ(log.Lines().size(), 2U);
 }
