@@ -44,8 +44,8 @@ class CaptureFeed {
   virtual Timing timing() const = 0;
 
   /// At the end: whether no range image came with any frame, though the source has a range sensor,
-  /// or most of a recording's images became no frame.
-  virtual bool lacks_most() const { return false; }
+  /// most of a recording's images became no frame, or bytes or messages of a log cannot be read.
+  virtual bool lacks_something() const { return false; }
 
   /// What frames are rectified with, which may be replaced at any time: the next frame has the new
   /// one, behind its calibration. Null when the frames come rectified, or stay unrectified.

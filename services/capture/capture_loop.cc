@@ -155,7 +155,7 @@ class Capture {
     if (stop_.stop_requested()) return 0;
     if (sent_ == 0) return SayNothingCame();
     if (monitor_.Snapshot().frames_out == 0) return 1;
-    return feed_->lacks_most() ? 1 : 0;
+    return feed_->lacks_something() ? 1 : 0;
   }
 
  private:

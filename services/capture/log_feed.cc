@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/app/log.h"
 #include "common/bus/channels.h"
 #include "common/frames/log_frames.h"
 #include "common/logfile/log_error.h"
@@ -52,6 +51,8 @@ class LogFeed : public CaptureFeed {
 
   Timing timing() const override { return Timing::kRecorded; }
 
+  bool lacks_something() const override { return lacks_something_; }
+
   /// How often the log has begun again.
   int64_t rounds() const { return rounds_; }
 
@@ -101,6 +102,7 @@ class LogFeed : public CaptureFeed {
       sequence_gaps_ += frames_->joiner().sequence_gaps();
     }
     frames_.emplace(path_, prefix_, captured_, [this](const LogEvent& event, const auto& why) {
+      lacks_something_ = true;
       monitor_.BadMessage(event.channel, why);
     });
     if (calibrated_) frames_->AddRig(calibration_ = FirstCalibration());
@@ -118,7 +120,8 @@ class LogFeed : public CaptureFeed {
     }
     if (next) return MessagesOf(next->places);
     for (const LogDamage& stretch : frames_->log().damage()) {
-      LogLine(LogLevel::kWarning, "{}: {}", path_, SkippedText(stretch));
+      lacks_something_ = true;
+      monitor_.Failure(path_ + ": " + SkippedText(stretch));
     }
     return std::nullopt;
   }
@@ -162,6 +165,7 @@ class LogFeed : public CaptureFeed {
   int64_t sequence_gaps_ = 0;
   std::optional<CaptureMessages> first_;
   int64_t rounds_ = 0;
+  bool lacks_something_ = false;
 };
 
 class RawLogFeed : public CaptureFeed {
@@ -195,6 +199,8 @@ class RawLogFeed : public CaptureFeed {
   }
 
   Timing timing() const override { return Timing::kRecorded; }
+
+  bool lacks_something() const override { return log_->lacks_something(); }
 
   std::shared_ptr<CurrentRig> current_rig() const override { return current_; }
 

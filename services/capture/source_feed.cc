@@ -119,7 +119,7 @@ class SourceFeed : public CaptureFeed {
     return source_->is_recorded() ? Timing::kRecorded : Timing::kAsked;
   }
 
-  bool lacks_most() const override { return lacks_most_; }
+  bool lacks_something() const override { return lacks_most_; }
 
   std::shared_ptr<CurrentRig> current_rig() const override { return current_; }
 

@@ -130,6 +130,7 @@ TEST_F(LogFeedTest, CountsAndLeavesOutAFrameThatNoStageCouldAnswer) {
   EXPECT_THAT(Seqs(*feed), ElementsAre(0, 3));
   EXPECT_EQ(monitor_.Snapshot().frames_incomplete, 3);
   EXPECT_EQ(monitor_.Snapshot().bad_messages, 1);
+  EXPECT_TRUE(feed->lacks_something());
 }
 
 TEST_F(LogFeedTest, CountsAndLeavesOutFramesWithoutTheirCalibration) {
@@ -193,6 +194,9 @@ TEST_F(LogFeedTest, GoesOnBehindDamage) {
   const auto feed = OpenLogFeed(path_, "", false, monitor_);
   EXPECT_THAT(Seqs(*feed), ElementsAre(0));
   EXPECT_THAT(log_.Lines().back(), HasSubstr("ends inside an event"));
+  EXPECT_THAT(monitor_.Snapshot().last_error, HasSubstr("ends inside an event"));
+  EXPECT_TRUE(feed->lacks_something());
+  EXPECT_FALSE(Open(Concat({{RigEvent(0)}, FrameEvents(0)}))->lacks_something());
 }
 
 TEST_F(LogFeedTest, NamesWhatIsMissingAndWhatIsThere) {
