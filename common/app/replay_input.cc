@@ -51,6 +51,7 @@ bool ReplayInput::Next(LogEvent& event) {
   }
   if (taken_ == nullptr) return false;
   event = *taken_->head;
+  taken_->is_used = taken_->is_used || ordering_.contains(event.channel);
   Note(event, read_);
   ++events_;
   channels_.Add(event.channel);
@@ -79,14 +80,26 @@ void ReplayInput::Note(const LogEvent& event, Spans& spans) const {
   const Result<FrameId> id = DecodeFrameId(event.data);
   if (!id) return;
   Span& span = spans[std::string(event.channel)];
-  if (span.messages++ == 0) span.first_utime = span.last_utime = id->utime;
+  if (span.messages++ == 0) {
+    span.first_utime = span.last_utime = id->utime;
+    span.numbers = {.first = id->seq, .last = id->seq};
+  }
   span.first_utime = std::min(span.first_utime, id->utime);
   span.last_utime = std::max(span.last_utime, id->utime);
+  span.numbers.first = std::min(span.numbers.first, id->seq);
+  span.numbers.last = std::max(span.numbers.last, id->seq);
   if (span.rigs.size() < kMaxRigs) span.rigs.insert(id->rig_id);
 }
 
-bool ReplayInput::AreOthers(const Span& left_out, const Span& read) {
+bool ReplayInput::AreOthers(const Span& left_out, const Span& read, bool is_used) {
   if (left_out.last_utime < read.first_utime || left_out.first_utime > read.last_utime) return true;
+  if (left_out.numbers.last < read.numbers.first || left_out.numbers.first > read.numbers.last) {
+    return true;
+  }
+  if (!is_used &&
+      (left_out.first_utime < read.first_utime || left_out.last_utime > read.last_utime)) {
+    return true;
+  }
   return read.rigs.size() < kMaxRigs && std::ranges::none_of(left_out.rigs, [&](const auto& rig) {
            return read.rigs.contains(rig);
          });
@@ -97,7 +110,7 @@ std::vector<std::string> ReplayInput::LeftOut() const {
   for (const Log& log : logs_) {
     for (const auto& [channel, left_out] : log.left_out) {
       const auto read = read_.find(channel);
-      if (read == read_.end() || !AreOthers(left_out, read->second)) continue;
+      if (read == read_.end() || !AreOthers(left_out, read->second, log.is_used)) continue;
       lines.push_back(fmt::format(
           "{}: {} messages on {} are not used: a later --replay has that channel, of other frames; "
           "`sprout-log merge` joins the parts of a recording",

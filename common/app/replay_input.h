@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/config/frame_range.h"
 #include "common/logfile/channel_counts.h"
 #include "common/logfile/log_reader.h"
 
@@ -42,8 +43,9 @@ class ReplayInput {
 
   const ChannelCounts& channels() const { return channels_; }  ///< read so far
 
-  /// What was left out so far of frames all before, or all behind those that were read, as of two
-  /// parts of one recording, or all with other calibrations, as of two rigs. Of the ordering
+  /// What was left out so far of frames all before, or all behind those that were read by utime or
+  /// by number, as of two parts of one recording, or all with other calibrations, as of two rigs;
+  /// of a log of which nothing is used, frames that are not all within those. Of the ordering
   /// channels with frames; one line a log.
   std::vector<std::string> LeftOut() const;
 
@@ -51,11 +53,13 @@ class ReplayInput {
   double progress() const;
 
  private:
-  // Messages of frames: from the earliest to the latest capture.
+  // Messages of frames: from the earliest to the latest capture, from the smallest number to the
+  // largest. Behind a step of the clock only the numbers tell what is later.
   struct Span {
     int64_t messages = 0;
     int64_t first_utime = 0;
     int64_t last_utime = 0;
+    FrameRange numbers;
     std::set<std::string> rigs = {};  // rig_id of the frames; at most kMaxRigs
   };
   using Spans = std::map<std::string, Span, std::less<>>;  // by channel
@@ -65,6 +69,7 @@ class ReplayInput {
     std::unique_ptr<LogReader> reader;
     std::set<std::string, std::less<>> hidden;           // channels that a later log has
     Spans left_out;                                      // on those
+    bool is_used = false;                                // one of its ordering events was given
     std::optional<LogEvent> head;                        // next event
     int64_t time = std::numeric_limits<int64_t>::min();  // of the newest so far, head included
     size_t damage_seen = 0;
@@ -72,7 +77,7 @@ class ReplayInput {
 
   static constexpr size_t kMaxRigs = 16;
 
-  static bool AreOthers(const Span& left_out, const Span& read);
+  static bool AreOthers(const Span& left_out, const Span& read, bool is_used);
   void Advance(Log& log);
   void Note(const LogEvent& event, Spans& spans) const;
   void ReportDamage(Log& log);

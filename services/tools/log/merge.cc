@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/config/config_error.h"
+#include "common/config/frame_range.h"
 #include "common/core/digest.h"
 #include "common/core/output_file.h"
 #include "common/logfile/log_error.h"
@@ -72,7 +73,15 @@ class MergedLog {
   bool is_there_ = false;
 };
 
-// Finds frames that have a message on one channel in two logs. Some 100 bytes a message.
+// Of one log's frames on one channel.
+struct FrameSpan {
+  FrameRange numbers;
+  int64_t first_time = 0;  // of events
+  int64_t last_time = 0;
+};
+
+// Finds frames that have a message on one channel in two logs, and logs whose frames would be
+// shuffled. Some 100 bytes a message.
 class AnswerCheck {
  public:
   /// Whether another log has had this very message, as where two recorders listened to one graph.
@@ -82,6 +91,7 @@ class AnswerCheck {
     if (!HasAnswers(event.channel)) return false;
     const Result<FrameId> id = DecodeFrameId(event.data);
     if (!id) return false;
+    Note(log, *id);
     auto& answers = answers_.try_emplace(std::string(event.channel)).first->second;
     const uint64_t hash =
         Hash({reinterpret_cast<const char*>(event.data.data()), event.data.size()});
@@ -94,9 +104,44 @@ class AnswerCheck {
                                event.channel, id->seq, known->second.second->path().string()));
   }
 
+  /// @throws LogError when frames of one log come before those of another one by their numbers, and
+  ///         among them by time, as of two parts of a recording between which the clock was set
+  ///         back.
+  void RequireOneOrder() const {
+    for (const auto& [channel, spans] : spans_) {
+      for (const auto& [log, span] : spans) {
+        for (const auto& [other, later] : spans) {
+          if (span.numbers.last >= later.numbers.first || span.last_time <= later.first_time ||
+              span.first_time >= later.last_time) {
+            continue;
+          }
+          throw LogError(
+              other->path(),
+              fmt::format("{} has frames from {} on, and by time they lie among frames {} to {} of "
+                          "{}: the clock was set back; `cat` joins logs by their order",
+                          channel, later.numbers.first, span.numbers.first, span.numbers.last,
+                          log->path().string()));
+        }
+      }
+    }
+  }
+
  private:
+  void Note(const MergedLog& log, const FrameId& id) {
+    const int64_t time = log.event().utime;
+    const auto [found, is_new] =
+        spans_[std::string(log.event().channel)].try_emplace(&log, FrameSpan{});
+    FrameSpan& span = found->second;
+    if (is_new) span = {{.first = id.seq, .last = id.seq}, time, time};
+    span.numbers.first = std::min(span.numbers.first, id.seq);
+    span.numbers.last = std::max(span.numbers.last, id.seq);
+    span.first_time = std::min(span.first_time, time);
+    span.last_time = std::max(span.last_time, time);
+  }
+
   using Answer = std::pair<uint64_t, const MergedLog*>;  // digest, and where it is from
   std::map<std::string, std::map<std::pair<int64_t, int64_t>, Answer>, std::less<>> answers_;
+  std::map<std::string, std::map<const MergedLog*, FrameSpan>, std::less<>> spans_;
 };
 
 // Each log keeps its order; of equal times the log named first comes first.
@@ -152,6 +197,7 @@ int RunMerge(const MergeOptions& options) {
   }
   progress.Clear();
   for (const auto& log : logs) WarnOfDamage(log->path(), log->reader().damage());
+  check.RequireOneOrder();
   out.Close();
   PrintLine(fmt::format("{}: {} of {} events", options.out.string(), out.events(),
                         out.events() + repeated) +

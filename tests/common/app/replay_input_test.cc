@@ -65,6 +65,26 @@ TEST_F(ReplayInputTest, SaysWhatIsLeftOutOfOtherFrames) {
   }
 }
 
+// Their times overlap, as behind a step of the clock; or all of one log is left out.
+TEST_F(ReplayInputTest, SaysWhatIsLeftOutOfFramesOfTheSameTime) {
+  const auto left = [](int64_t seq, int64_t utime) {
+    return TestEvent{utime, "SPROUT_LEFT",
+                     EncodePart({.utime = utime, .seq = seq, .rig_id = "a"}, Part::kLeft,
+                                cv::Mat1b(2, 3, uint8_t{1}))};
+  };
+  const auto left_out = [&](const std::vector<TestEvent>& a, const std::vector<TestEvent>& b) {
+    ReplayInput input({Write("a", a), Write("b", b)}, "", {"SPROUT_LEFT", "SPROUT_RIGHT"});
+    for (LogEvent event; input.Next(event);) {
+    }
+    return input.LeftOut().size();
+  };
+  EXPECT_EQ(left_out({left(0, 10), left(1, 20)}, {left(2, 10), left(3, 20)}), 1);
+  EXPECT_EQ(left_out({left(0, 10), left(1, 20)}, {left(1, 20), left(2, 30)}), 1);
+  EXPECT_EQ(left_out({left(0, 10), left(1, 20)}, {left(0, 10), left(1, 20), left(2, 30)}), 0);
+  // Answers for a part of the frames, whose images stay.
+  EXPECT_EQ(left_out({left(0, 10), RightEvent(0), left(1, 20)}, {left(1, 20)}), 0);
+}
+
 TEST_F(ReplayInputTest, SaysWhatIsLeftOutOfAnotherRig) {
   TestEvent other = LeftEvent(0, 10);
   FrameId id = TestId(0);

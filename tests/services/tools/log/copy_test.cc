@@ -200,6 +200,23 @@ TEST(LogMerge, OfTwoRecordersHasEachMessageOfAFrameOnce) {
   EXPECT_EQ(counts["SPROUT_STATUS"], 8) << "of no frame";
 }
 
+TEST(LogMerge, RefusesPartsThatAStepOfTheClockWouldShuffle) {
+  const LogFolder folder;
+  const auto a = folder.Write("a", {PartEvent(Part::kLeft, 0), PartEvent(Part::kLeft, 1)});
+  const auto merge = [&](int64_t set_back_us) {
+    std::vector<Event> later = {PartEvent(Part::kLeft, 2), PartEvent(Part::kLeft, 3)};
+    for (Event& event : later) event.utime -= set_back_us;
+    return RunLog({"merge", folder.Write("b", later), a, "--out", folder.File("out"), "--force"});
+  };
+  const int64_t interval_us = PartEvent(Part::kLeft, 1).utime - PartEvent(Part::kLeft, 0).utime;
+  EXPECT_EQ(merge(0).exit_code, 0);
+  EXPECT_THAT(merge(2 * interval_us).err,
+              HasSubstr(folder.File("b") +
+                        ": SPROUT_LEFT has frames from 2 on, and by time they lie among frames 0 "
+                        "to 1 of " +
+                        a + ": the clock was set back; `cat` joins"));
+}
+
 TEST(LogMerge, RefusesOneLogTwice) {
   const LogFolder folder;
   const auto a = folder.Write("a", GraphEvents(2));
