@@ -12,13 +12,13 @@ namespace sprout::evaluate {
 namespace {
 
 // Of the points of a scan on pixels with a known truth: the share within 1 px of it.
-double ShareOnTruth(const Scene& scene) {
+double ShareOnTruth(const scenes::DatasetFrame& frame, const TofProjector& scanner) {
   constexpr size_t kLeast = 100;  // points that tell something
-  const cv::Mat1f& truth = scene.frame.truth.left;
+  const cv::Mat1f& truth = frame.truth.left;
   int behind = 0;
   size_t known = 0;
   size_t near = 0;
-  for (const ProjectedPoint& point : scene.projector.Project(scene.frame.tof, behind)) {
+  for (const ProjectedPoint& point : scanner.Project(frame.tof, behind)) {
     const cv::Point pixel(cvRound(point.seed.u), cvRound(point.seed.v));
     if (!cv::Rect({0, 0}, truth.size()).contains(pixel)) continue;
     const float error = std::abs(point.seed.disparity() - truth(pixel));
@@ -30,25 +30,26 @@ double ShareOnTruth(const Scene& scene) {
 
 }  // namespace
 
-std::string WrongTruthText(const scenes::DatasetFrame& frame, const RectifiedPair& pair) {
+std::string WrongTruthText(const scenes::DatasetFrame& frame, const RectifiedPair& pair,
+                           const TofProjector* scanner) {
   constexpr int kStepPx = 3;  // KITTI's truth has gaps between the beams
+  constexpr double kLeastOnTruth = 0.75;
   if (std::min(pair.width, pair.height) < kStepPx) return "";
   const Rig rig{.pair = pair, .tof = scenes::TofGridCamera(pair, kStepPx)};
   const std::string text = BadText(inputs::CheckInputs(
       frame.left, frame.right, scenes::SampleTofGrid(pair, kStepPx, frame.truth.left), rig));
-  return text.empty() ? "" : "the ground truth does not fit the images; taken for ranges: " + text;
-}
-
-std::string WrongTruthText(const Scene& scene) {
-  constexpr double kLeastOnTruth = 0.75;
-  const std::string text = WrongTruthText(scene.frame, scene.projector.rig().pair);
-  if (!text.empty()) return text;
-  const double on_truth = scene.truth_is_scan ? ShareOnTruth(scene) : 1;
+  if (!text.empty()) return "the ground truth does not fit the images; taken for ranges: " + text;
+  const double on_truth = scanner != nullptr ? ShareOnTruth(frame, *scanner) : 1;
   if (on_truth >= kLeastOnTruth) return "";
   return fmt::format(
       "{:.0f} % of the scan's points lie within 1 px of the ground truth: is the calibration that "
       "of this recording?",
       100 * on_truth);
+}
+
+std::string WrongTruthText(const Scene& scene) {
+  return WrongTruthText(scene.frame, scene.projector.rig().pair,
+                        scene.truth_is_scan ? &scene.projector : nullptr);
 }
 
 }  // namespace sprout::evaluate

@@ -23,6 +23,7 @@
 #include "services/pipeline/chain.h"
 #include "services/temporal/temporal_filter.h"
 #include "services/tools/evaluate/scene.h"
+#include "services/tools/evaluate/truth_check.h"
 
 namespace sprout::evaluate {
 namespace {
@@ -197,6 +198,8 @@ VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settin
   const std::vector<Pose> motions = TrueMotions(source, result.frames);
   result.motion_known = !motions.empty();
   const Rig& rig = dataset->rig();
+  const std::optional<TofProjector> scanner =
+      IsKitti(source) ? std::optional<TofProjector>(rig) : std::nullopt;
   SproutConfig config = settings.config;
   config.mutable_grow()->set_publish_confidence(true);  // which the filter needs
   config.mutable_temporal()->set_in_pipeline(false);    // it runs here, to be timed
@@ -214,6 +217,9 @@ VideoResult EvaluateVideo(const std::string& source, const VideoSettings& settin
     if (i == 0) {
       result.wrong_inputs =
           BadText(inputs::CheckInputs(captured.left, captured.right, captured.tof, rig));
+      if (result.wrong_inputs.empty()) {
+        result.wrong_inputs = WrongTruthText(captured, rig.pair, scanner ? &*scanner : nullptr);
+      }
     }
     Frame frame = NoisyFrame(captured, rig, settings, i, random);
     ChainObserver nobody;

@@ -32,7 +32,7 @@ struct VideoResult {
   bool motion_known = false;
   MotionScore motion;
   double filter_ms = 0;      ///< of a frame, median
-  std::string wrong_inputs;  ///< what is wrong with the first frame; empty: nothing
+  std::string wrong_inputs;  ///< what is wrong with the first frame or its truth; empty: nothing
 };
 
 /// Runs the chain and the temporal filter on the frames of a source and scores both, and a rival:

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "services/tools/evaluate/log_evaluation.h"
+#include "services/tools/evaluate/video.h"
 #include "tests/common/scenes/kitti_folder.h"
 
 namespace sprout::evaluate {
@@ -52,8 +53,7 @@ TEST(TruthCheck, NamesTheTruthOfALogToo) {
 }
 
 // A wall at 10 m, 5 px, that a scan measures at every other pixel, off by so much.
-Scene ScannedWall(double off_px) {
-  const scenes::KittiFolder folder("000007");
+void WriteWall(const scenes::KittiFolder& folder, const std::string& id, double off_px) {
   std::vector<scenes::KittiFolder::Point> points;
   const auto depth = static_cast<float>(50 / (5 + off_px));
   for (int v = 0; v < scenes::KittiFolder::kHeight; v += 2) {
@@ -62,13 +62,33 @@ Scene ScannedWall(double off_px) {
                         depth * static_cast<float>(15 - v) / 100, 0});
     }
   }
-  folder.WriteScan("000007", points);
+  folder.WriteScan(id, points);
+}
+
+Scene ScannedWall(double off_px) {
+  const scenes::KittiFolder folder("000007");
+  WriteWall(folder, "000007", off_px);
   return LoadScene(folder.Config("/000007").source(), TofChoice("scan"), {});
 }
 
 TEST(TruthCheck, NamesAScanThatIsNotWhereTheTruthIs) {
   EXPECT_EQ(WrongTruthText(ScannedWall(0.8)), "");
   EXPECT_THAT(WrongTruthText(ScannedWall(1.2)), StartsWith("0 % of the scan's points"));
+}
+
+TEST(TruthCheck, NamesTheTruthOfAVideoToo) {
+  const auto said = [](double off_px) {
+    const scenes::KittiFolder folder;
+    for (const char* id : {"000000", "000001", "000002"}) {
+      folder.WriteStereo(id);
+      WriteWall(folder, id, off_px);
+    }
+    VideoSettings settings;
+    settings.config = LoadConfig({"fast"});
+    return EvaluateVideo(folder.Config("").source(), settings, [](int) {}).wrong_inputs;
+  };
+  EXPECT_EQ(said(0.8), "");
+  EXPECT_THAT(said(1.2), StartsWith("0 % of the scan's points"));
 }
 
 }  // namespace
