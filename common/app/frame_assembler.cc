@@ -57,7 +57,7 @@ std::vector<Frame> FrameAssembler::Add(std::string_view channel, std::span<const
       if (taken_.size() > kMaxTaken) taken_.pop_front();
       monitor_.SetJoinerCounts(joiner_.incomplete(), joiner_.sequence_gaps());
       TellOtherRig(message.id);
-      if (needed_.Has(Part::kTof)) TellTimesBack(message.id, frames->size());
+      if (needed_.Has(Part::kTof) && part != Part::kRig) TellTimesBack(message.id, frames->size());
       return std::move(*frames);
     }
     monitor_.BadMessage(channel, frames.error().text);
@@ -82,9 +82,20 @@ void FrameAssembler::TellOtherRig(const FrameId& id) {
                 "another rig_id");
 }
 
+// Of an earlier frame, and not of the one before. A clock does not come to the same µs again, a
+// short recording that plays in a loop (mcap:) does.
+bool FrameAssembler::IsKnownTime(int64_t utime) {
+  if (!utimes_.empty() && utimes_.back() == utime) return false;
+  const bool is_known = std::ranges::find(utimes_, utime) != utimes_.end();
+  utimes_.push_back(utime);
+  if (utimes_.size() > kFramesTold) utimes_.pop_front();
+  return is_known;
+}
+
 // A single step back is that of a clock, of which capture and those that remember frames tell.
 void FrameAssembler::TellTimesBack(const FrameId& id, size_t whole_frames) {
-  if (joiner_.times_back() != std::exchange(times_back_, joiner_.times_back())) {
+  const bool is_known = IsKnownTime(id.utime);
+  if (joiner_.times_back() != std::exchange(times_back_, joiner_.times_back()) && !is_known) {
     const bool again = std::exchange(frames_since_back_, 0) < kFramesTold;
     if (!again || !time_warning_.empty()) return;
     time_warning_ = "frame " + std::to_string(id.seq) +

@@ -17,7 +17,8 @@ namespace sprout {
 /// dropped. A frame may come twice, with the same bytes; of two messages of one frame and channel
 /// that differ the first counts, and the other is a bad one. Warns of calibrations that change
 /// under one rig_id, and, where it joins the ToF image, as the first stage alone does, of times
-/// that do not rise, twice in 100 frames. Not thread-safe.
+/// that do not rise, twice in 100 frames; those of a recording that plays again are known. Not
+/// thread-safe.
 class FrameAssembler {
  public:
   /// @param max_pending, optional  as in FrameJoiner.
@@ -46,6 +47,7 @@ class FrameAssembler {
 
   bool IsSecondAnswer(const Taken& message) const;
   void TellOtherRig(const FrameId& id);
+  bool IsKnownTime(int64_t utime);
   void TellTimesBack(const FrameId& id, size_t whole_frames);
 
   StageMonitor& monitor_;
@@ -55,6 +57,7 @@ class FrameAssembler {
   std::deque<Taken> taken_;    // the newest messages
   int64_t rigs_replaced_ = 0;  // that were told
   int64_t times_back_ = 0;
+  std::deque<int64_t> utimes_;  // of the newest frames
   size_t frames_since_back_ = kFramesTold;
   std::string time_warning_;  // that holds now
 };

@@ -104,14 +104,27 @@ TEST(FrameAssembler, SaysThatACalibrationChangedUnderItsName) {
   EXPECT_THAT(log.Lines(), SizeIs(1));
 }
 
+void AddLeftAndTof(FrameAssembler& assembler, int64_t utime, int64_t seq) {
+  const FrameId id{.utime = utime, .seq = seq, .rig_id = ""};
+  assembler.Add("SPROUT_LEFT", EncodePart(id, Part::kLeft, cv::Mat1b(2, 3, uint8_t{1})));
+  assembler.Add("SPROUT_TOF", EncodePart(id, Part::kTof, examples::Tof(false)));
+}
+
+// capture --loop of a bag gives new numbers to the old times.
+TEST(FrameAssembler, KnowsARecordingThatPlaysInALoop) {
+  const CapturedLog log;
+  StageMonitor monitor("refine", "");
+  FrameAssembler assembler({Part::kLeft, Part::kTof}, monitor);
+  for (int64_t seq = 0; seq < 40; ++seq) AddLeftAndTof(assembler, 100 + seq % 5, seq);
+  EXPECT_THAT(log.Lines(), IsEmpty());
+  // The µs of a second alone.
+  for (int64_t seq = 40; seq < 60; ++seq) AddLeftAndTof(assembler, 200 + 101 * seq % 500, seq);
+  EXPECT_THAT(monitor.Snapshot().last_error, HasSubstr("utime does not rise"));
+}
+
 TEST(FrameAssembler, SaysThatTimesDoNotRiseWhereTheToFImageIsJoined) {
   CapturedLog log;
-  const auto add = [](FrameAssembler& assembler, int64_t utime, int64_t seq) {
-    assembler.Add("SPROUT_LEFT", EncodePart({.utime = utime, .seq = seq, .rig_id = ""}, Part::kLeft,
-                                            cv::Mat(2, 3, CV_8UC1, cv::Scalar(1))));
-    assembler.Add("SPROUT_TOF", EncodePart({.utime = utime, .seq = seq, .rig_id = ""}, Part::kTof,
-                                           examples::Tof(false)));
-  };
+  const auto& add = AddLeftAndTof;
   StageMonitor monitor("refine", "");
   FrameAssembler assembler({Part::kLeft, Part::kTof}, monitor);
   for (const int64_t seq : {0, 1}) add(assembler, 7, seq);
