@@ -134,6 +134,17 @@ std::string SizeComplaint(const Frame& frame, const Input& input) {
   return "";
 }
 
+// Not a robot that sees nothing near, but a grow whose confidence is 0 to 1, or always 0.
+std::string UnsureText(const DepthCounts& counts, const cv::Mat& confidence, int min_confidence) {
+  if (counts.unsure == 0 || counts.unsure < counts.pixels) return "";
+  double largest = 0;
+  cv::minMaxLoc(confidence, nullptr, &largest);
+  return fmt::format(
+      "nothing is left: no pixel has a confidence of depth.min_confidence, {}; the largest is {} "
+      "of 255",
+      min_confidence, largest);
+}
+
 void AddCloud(Part part, PointCloud cloud, StageResult& result) {
   if (cloud.points.size() == kMaxCloudPoints && result.degenerate.empty()) {
     result.degenerate = "the cloud ends at " + std::to_string(kMaxCloudPoints) +
@@ -174,6 +185,9 @@ StageResult DepthAdapter::Process(const Frame& frame) {
   if (!filter_.IsOff()) {
     DepthCounts counts;
     seen.disparity = filter_.Apply(seen.disparity, pair, seen.confidence, counts);
+    if (result.degenerate.empty()) {
+      result.degenerate = UnsureText(counts, seen.confidence, options_.filter.min_confidence);
+    }
     result.outputs.push_back({Part::kDepthCounts, counts});
   }
   AddDepths(seen, result);

@@ -150,6 +150,19 @@ TEST(DepthAdapter, CountsWhatItLeavesOutOfEverything) {
   EXPECT_EQ(frame.cloud->points.size(), 3U);
 }
 
+// As of a grow of one's own that gives shares, not 255 times a probability.
+TEST(DepthAdapter, SaysThatNoConfidenceIsEnough) {
+  DepthAdapter adapter = Adapter("min_confidence: 2 max_m: 1");
+  Frame frame = FrameOf(0);
+  frame.confidence = 1;
+  EXPECT_THAT(AddAnswer(adapter, frame),
+              HasSubstr("of depth.min_confidence, 2; the largest is 1 of 255"));
+  frame = FrameOf(1);
+  frame.confidence = 1;
+  DepthAdapter nearer = Adapter("min_confidence: 2 max_m: 0.5");
+  EXPECT_EQ(AddAnswer(nearer, frame), "") << "nothing near";
+}
+
 TEST(DepthAdapter, SaysThatItsRegionLiesOutside) {
   DepthAdapter adapter = Adapter("region: [8, 0, 20, 5]");
   for (int i = 0; i < 2; ++i) {
