@@ -58,6 +58,13 @@ void CheckMap(const DisparityImage& map, const RectifiedPair& pair, const std::s
   }
 }
 
+// A confidence of 0 to 1, as of a probability.
+bool IsShare(const cv::Mat& confidence) {
+  double largest = 0;
+  cv::minMaxLoc(confidence, nullptr, &largest);
+  return largest == 1;
+}
+
 // The map in an answer of prior or grow.
 const DisparityImage& MapOf(const PartValue& answer) {
   const auto* prior = std::get_if<PriorMap>(&answer);
@@ -162,10 +169,16 @@ void CheckAnswer(const PartValue& answer, const RectifiedPair& pair, const std::
   }
 }
 
-void CheckExtra(const PartValue& extra, const RectifiedPair& pair, const std::string& what,
-                Findings& found) {
+void CheckExtra(Part part, const PartValue& extra, const RectifiedPair& pair,
+                const std::string& what, Findings& found) {
   if (const auto* image = std::get_if<cv::Mat>(&extra)) {
-    if (image->size() == pair.size() && image->channels() == 1) return;
+    if (image->size() == pair.size() && image->channels() == 1) {
+      if (part == Part::kConfidence && IsShare(*image)) {
+        found.Add(Rule::kValues,
+                  what + ": 0 and 1 alone; allowed is 255 times the probability, 0 to 255");
+      }
+      return;
+    }
     found.Add(Rule::kForm,
               fmt::format("{}: an image of {} with {} bytes a pixel; allowed is the size of LEFT, "
                           "{}, in grey",

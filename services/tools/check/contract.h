@@ -81,9 +81,9 @@ void CheckAnswer(const PartValue& answer, const RectifiedPair& pair, const std::
                  Findings& found);
 
 /// Checks what a stage published besides its answer, beyond the checks of convert.h: the size of
-/// maps and images, the values of maps. Parameters as CheckAnswer() has them.
-void CheckExtra(const PartValue& extra, const RectifiedPair& pair, const std::string& what,
-                Findings& found);
+/// maps and images, the values of maps and of the confidence. Parameters as CheckAnswer() has them.
+void CheckExtra(Part part, const PartValue& extra, const RectifiedPair& pair,
+                const std::string& what, Findings& found);
 
 /// Whether an answer is empty: no seed, or no pixel with a disparity.
 bool IsEmptyAnswer(const PartValue& answer);

@@ -153,7 +153,7 @@ void Conversation::TakeExtra(Part part, const Heard& heard) {
   if (const int count = ++sent->extras[part]; count > 1) {
     found_.Add(Rule::kOneAnswer, fmt::format("{}: {} messages", what, count));
   } else if (sent->look == Look::kAll) {
-    CheckExtra(decoded->value, sent->pair, what, found_);
+    CheckExtra(part, decoded->value, sent->pair, what, found_);
   }
 }
 

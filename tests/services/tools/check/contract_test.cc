@@ -27,5 +27,18 @@ TEST(Contract, DisparitiesOfAConvergedPairReachToInfinity) {
   EXPECT_FALSE(Passes(seeds_of(-10)));
 }
 
+TEST(Contract, AConfidenceIsNoProbability) {
+  const auto passes = [](uint8_t largest) {
+    cv::Mat1b confidence(kConverged.size(), uint8_t{0});
+    confidence(7, 9) = largest;
+    Findings found;
+    CheckExtra(Part::kConfidence, cv::Mat(confidence), kConverged, "the confidence", found);
+    return found.empty();
+  };
+  EXPECT_FALSE(passes(1));
+  EXPECT_TRUE(passes(2));
+  EXPECT_TRUE(passes(0)) << "nothing is sure";
+}
+
 }  // namespace
 }  // namespace sprout::check
