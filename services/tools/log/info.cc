@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -131,13 +132,12 @@ double Seconds(const LogSummary& log, int64_t utime) {
 }
 
 std::string TimeText(int64_t utime) {
-  using std::chrono::system_clock;
   // Damaged times may lie where no calendar reaches.
   constexpr int64_t kYear3000 = 32'503'680'000'000'000;
   if (utime < 0 || utime >= kYear3000) return fmt::format("utime {}", utime);
-  const auto second = std::chrono::floor<std::chrono::seconds>(
-      system_clock::time_point(std::chrono::microseconds(utime)));
-  return fmt::format("{:%Y-%m-%d %H:%M:%S}.{:06} UTC (utime {})", second, utime % 1'000'000, utime);
+  const auto second = static_cast<std::time_t>(utime / 1'000'000);
+  return fmt::format("{:%Y-%m-%d %H:%M:%S}.{:06} UTC (utime {})", fmt::gmtime(second),
+                     utime % 1'000'000, utime);
 }
 
 std::string FramesText(const ChannelSummary& channel) {

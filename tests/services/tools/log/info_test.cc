@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <cstdlib>
+#include <ctime>
 #include <nlohmann/json.hpp>
 
 #include "common/config/config.h"
@@ -47,6 +49,20 @@ TEST_F(LogInfo, DescribesEveryChannel) {
   EXPECT_EQ(left["undecodable"], 0);
   EXPECT_EQ(Channel(info, "SPROUT_STATUS")["type"], "sprout.stage_status_t");
   EXPECT_FALSE(Channel(info, "SPROUT_RIG").contains("frames"));
+}
+
+// fmt 9 formats a time of the system's clock in local time.
+TEST_F(LogInfo, TellsTimesInUtcWhateverTheZone) {
+  Event event = PartEvent(Part::kLeft, 0);
+  event.utime = 1'795'426'900'840'303;
+  const auto file = folder_.Write("log", {event});
+  for (const char* zone : {"UTC0", "JST-9"}) {
+    setenv("TZ", zone, /*replace=*/1);
+    tzset();
+    EXPECT_THAT(OutOf({"info", file}), HasSubstr("first 2026-11-23 09:41:40.840303 UTC")) << zone;
+  }
+  unsetenv("TZ");
+  tzset();
 }
 
 TEST_F(LogInfo, CountsGapsAndRepeatedFrames) {
