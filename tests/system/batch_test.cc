@@ -172,6 +172,7 @@ TEST_F(BatchSystem, ALogWithoutACompleteFrameIsListedAndIsNoFailure) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_EQ(ColumnOf(out_, "seq").size(), 5U);
   EXPECT_THAT(Report(), HasSubstr("<tr><td>other</td><td>1<"));
+  EXPECT_THAT(outcome.output, HasSubstr("1 of 2 logs have no frame with an answer; the report"));
   EXPECT_THAT(RunProgramOf(command_).output, HasSubstr("2 logs, 0 of them to do"));
   // Alone it is one: probably flags are wrong.
   fs::remove(logs_ / "run.lcm");

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
+#include <set>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -96,6 +97,18 @@ void SayTaskOutput(const BatchFolder& folder, std::ostream& out) {
   if (!said.empty()) out << "Slurm's tasks ended with " << said << "\n";
 }
 
+// No failure, but an average over fewer logs than were given.
+void SayEmptyLogs(const Manifest& manifest, const BatchState& state, const FrameTable& frames) {
+  std::set<int> with_frames;
+  for (size_t row = 0; row < frames.size(); ++row) with_frames.insert(frames.LogOf(row));
+  const auto empty = manifest.log_size() - state.missing - std::ssize(with_frames);
+  if (empty == 0) return;
+  std::cerr << fmt::format(
+      "sprout-batch: {} of {} logs have no frame with an answer; the report "
+      "names them\n",
+      empty, manifest.log_size());
+}
+
 // Writes table and report.
 int Finish(const BatchFolder& folder, const Manifest& manifest, const BatchState& state) {
   const FrameTable frames(folder, manifest, state);
@@ -110,6 +123,8 @@ int Finish(const BatchFolder& folder, const Manifest& manifest, const BatchState
   } else if (frames.size() == 0) {
     std::cerr << "sprout-batch: no frame was answered in these logs; see sprout-log info, "
                  "--channel-prefix and --stages\n";
+  } else {
+    SayEmptyLogs(manifest, state, frames);
   }
   const bool is_whole = state.missing == 0 && frames.size() > 0;
   return is_whole ? 0 : 1;
