@@ -91,13 +91,9 @@ void ReplayInput::Note(const LogEvent& event, Spans& spans) const {
   if (span.rigs.size() < kMaxRigs) span.rigs.insert(id->rig_id);
 }
 
-bool ReplayInput::AreOthers(const Span& left_out, const Span& read, bool is_used) {
+bool ReplayInput::AreOthers(const Span& left_out, const Span& read) {
   if (left_out.last_utime < read.first_utime || left_out.first_utime > read.last_utime) return true;
   if (left_out.numbers.last < read.numbers.first || left_out.numbers.first > read.numbers.last) {
-    return true;
-  }
-  if (!is_used &&
-      (left_out.first_utime < read.first_utime || left_out.last_utime > read.last_utime)) {
     return true;
   }
   return read.rigs.size() < kMaxRigs && std::ranges::none_of(left_out.rigs, [&](const auto& rig) {
@@ -110,11 +106,21 @@ std::vector<std::string> ReplayInput::LeftOut() const {
   for (const Log& log : logs_) {
     for (const auto& [channel, left_out] : log.left_out) {
       const auto read = read_.find(channel);
-      if (read == read_.end() || !AreOthers(left_out, read->second, log.is_used)) continue;
-      lines.push_back(fmt::format(
-          "{}: {} messages on {} are not used: a later --replay has that channel, of other frames; "
-          "`sprout-log merge` joins the parts of a recording",
-          log.path, left_out.messages, channel));
+      if (read == read_.end()) continue;
+      const Span& span = read->second;
+      const bool are_others = AreOthers(left_out, span);
+      if (log.is_used && !are_others) continue;
+      const bool is_replaced = !are_others && left_out.first_utime >= span.first_utime &&
+                               left_out.last_utime <= span.last_utime;
+      lines.push_back(
+          is_replaced
+              ? fmt::format("{}: nothing of it is used: a later --replay has {}; the log that "
+                            "replaces a part of a recording is named behind it",
+                            log.path, channel)
+              : fmt::format(
+                    "{}: {} messages on {} are not used: a later --replay has that channel, "
+                    "of other frames; `sprout-log merge` joins the parts of a recording",
+                    log.path, left_out.messages, channel));
       break;
     }
   }

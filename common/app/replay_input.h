@@ -45,8 +45,8 @@ class ReplayInput {
 
   /// What was left out so far of frames all before, or all behind those that were read by utime or
   /// by number, as of two parts of one recording, or all with other calibrations, as of two rigs;
-  /// of a log of which nothing is used, frames that are not all within those. Of the ordering
-  /// channels with frames; one line a log.
+  /// and of logs of which nothing is used, as of answers that are named before the recording. Of
+  /// the ordering channels with frames; one line a log.
   std::vector<std::string> LeftOut() const;
 
   /// Share of the bytes read so far, 0 to 1.
@@ -77,7 +77,7 @@ class ReplayInput {
 
   static constexpr size_t kMaxRigs = 16;
 
-  static bool AreOthers(const Span& left_out, const Span& read, bool is_used);
+  static bool AreOthers(const Span& left_out, const Span& read);
   void Advance(Log& log);
   void Note(const LogEvent& event, Spans& spans) const;
   void ReportDamage(Log& log);

@@ -13,6 +13,8 @@ namespace sprout {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 class ReplayInputTest : public ::testing::Test {
  protected:
@@ -76,13 +78,17 @@ TEST_F(ReplayInputTest, SaysWhatIsLeftOutOfFramesOfTheSameTime) {
     ReplayInput input({Write("a", a), Write("b", b)}, "", {"SPROUT_LEFT", "SPROUT_RIGHT"});
     for (LogEvent event; input.Next(event);) {
     }
-    return input.LeftOut().size();
+    return input.LeftOut();
   };
-  EXPECT_EQ(left_out({left(0, 10), left(1, 20)}, {left(2, 10), left(3, 20)}), 1);
-  EXPECT_EQ(left_out({left(0, 10), left(1, 20)}, {left(1, 20), left(2, 30)}), 1);
-  EXPECT_EQ(left_out({left(0, 10), left(1, 20)}, {left(0, 10), left(1, 20), left(2, 30)}), 0);
+  const auto other_frames = ElementsAre(HasSubstr("has that channel, of other frames;"));
+  EXPECT_THAT(left_out({left(0, 10), left(1, 20)}, {left(2, 10), left(3, 20)}), other_frames);
+  EXPECT_THAT(left_out({left(0, 10), left(1, 20)}, {left(1, 20), left(2, 30)}), other_frames);
+  // Answers that are named before the recording.
+  EXPECT_THAT(
+      left_out({left(0, 10), left(1, 20)}, {left(0, 10), left(1, 20), left(2, 30)}),
+      ElementsAre(HasSubstr("a: nothing of it is used: a later --replay has SPROUT_LEFT;")));
   // Answers for a part of the frames, whose images stay.
-  EXPECT_EQ(left_out({left(0, 10), RightEvent(0), left(1, 20)}, {left(1, 20)}), 0);
+  EXPECT_THAT(left_out({left(0, 10), RightEvent(0), left(1, 20)}, {left(1, 20)}), IsEmpty());
 }
 
 TEST_F(ReplayInputTest, SaysWhatIsLeftOutOfAnotherRig) {
@@ -91,7 +97,8 @@ TEST_F(ReplayInputTest, SaysWhatIsLeftOutOfAnotherRig) {
   id.rig_id = "other";
   other.data = EncodePart(id, Part::kLeft, cv::Mat(2, 3, CV_8UC1, cv::Scalar(10)));
   const auto left_out = [&](const TestEvent& a, const TestEvent& b) {
-    ReplayInput input({Write("a", {a}), Write("b", {b})}, "", {"SPROUT_LEFT"});
+    ReplayInput input({Write("a", {a, RightEvent(0)}), Write("b", {b})}, "",
+                      {"SPROUT_LEFT", "SPROUT_RIGHT"});
     for (LogEvent event; input.Next(event);) {
     }
     return input.LeftOut().size();
@@ -124,7 +131,7 @@ TEST_F(ReplayInputTest, CountsEventsAndChannels) {
   EXPECT_EQ(input.channels().Text(), "A (2), B (1)");
   EXPECT_EQ(input.progress(), 1);
   EXPECT_EQ(input.damaged_bytes(), 0);
-  EXPECT_THAT(log_.Lines(), ::testing::IsEmpty());
+  EXPECT_THAT(log_.Lines(), IsEmpty());
 }
 
 TEST_F(ReplayInputTest, ReportsATornTail) {
