@@ -20,6 +20,17 @@ LogEvent MakeEvent(const EventHeader& header, int64_t offset, std::span<const ui
           .data = bytes.subspan(kHeaderBytes + channel.size())};
 }
 
+// What else lies where logs do, and what to do with it.
+std::string OtherFormat(std::span<const uint8_t> begin) {
+  const std::string_view text(reinterpret_cast<const char*>(begin.data()), begin.size());
+  if (text.starts_with("\x1f\x8b")) return ": packed with gzip; unpack it with gunzip";
+  if (text.starts_with("\x28\xb5\x2f\xfd")) return ": packed with zstd; unpack it with unzstd";
+  if (text.starts_with("\x89MCAP0")) {
+    return ": a bag of ROS 2; sprout-capture --source mcap:FILE?left=TOPIC&right=TOPIC reads it";
+  }
+  return "";
+}
+
 }  // namespace
 
 std::string SkippedText(const LogDamage& damage) {
@@ -29,8 +40,9 @@ std::string SkippedText(const LogDamage& damage) {
 
 LogReader::LogReader(const std::filesystem::path& path)
     : file_(path), window_(file_, kChunkBytes), finder_(file_, window_), ahead_(FindNext()) {
-  const bool begins_like_a_log = BeginsWithSync(window_.View(0, kMinEventBytes));
-  if (!ahead_ && !begins_like_a_log) throw LogError(path, "not an LCM log");
+  const auto begin = window_.View(0, kMinEventBytes);
+  if (!ahead_ && !BeginsWithSync(begin))
+    throw LogError(path, "not an LCM log" + OtherFormat(begin));
 }
 
 std::optional<EventPosition> LogReader::FindNext() {

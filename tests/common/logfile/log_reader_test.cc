@@ -98,6 +98,13 @@ std::string ErrorOfOpening(const std::filesystem::path& path) {
 TEST_F(LogReaderTest, RefusesWhatIsNoLog) {
   std::ofstream(folder_ / "text") << std::string(100'000, 'x');
   EXPECT_EQ(ErrorOfOpening(folder_ / "text"), (folder_ / "text").string() + ": not an LCM log");
+  const auto error_of = [&](const char* begin) {
+    std::ofstream(folder_ / "other") << begin << std::string(100, 'x');
+    return ErrorOfOpening(folder_ / "other");
+  };
+  EXPECT_THAT(error_of("\x1f\x8b"), HasSubstr("not an LCM log: packed with gzip; unpack it with"));
+  EXPECT_THAT(error_of("\x28\xb5\x2f\xfd"), HasSubstr("packed with zstd; unpack it with unzstd"));
+  EXPECT_THAT(error_of("\x89MCAP0\r\n"), HasSubstr("a bag of ROS 2; sprout-capture --source"));
   EXPECT_THAT(ErrorOfOpening(folder_ / ""), HasSubstr("not a file"));
   EXPECT_THAT(ErrorOfOpening("/dev/zero"), HasSubstr("not a file"));
   ASSERT_EQ(mkfifo((folder_ / "fifo").c_str(), 0600), 0);
