@@ -55,10 +55,13 @@ class MergedLog {
   void Hide(const ChannelSet& channels) { hidden_.insert(channels.begin(), channels.end()); }
 
   void Advance() {
-    do {
-      is_there_ = reader_.Next(event_);
-    } while (is_there_ && hidden_.contains(event_.channel));
+    while ((is_there_ = reader_.Next(event_)) && hidden_.contains(event_.channel)) ++left_out_;
+    if (is_there_ && HasAnswers(event_.channel)) ++given_;
   }
+
+  /// Whether later logs have all that it says of frames, as where answers are named before the
+  /// recording; at the end.
+  bool IsReplaced() const { return left_out_ > 0 && given_ == 0; }
 
   bool is_there() const { return is_there_; }
   const LogEvent& event() const { return event_; }
@@ -71,6 +74,8 @@ class MergedLog {
   ChannelSet hidden_;  // a later log has them
   LogEvent event_;
   bool is_there_ = false;
+  int64_t left_out_ = 0;
+  int64_t given_ = 0;  // of frames
 };
 
 // Of one log's frames on one channel.
@@ -197,6 +202,12 @@ int RunMerge(const MergeOptions& options) {
   }
   progress.Clear();
   for (const auto& log : logs) WarnOfDamage(log->path(), log->reader().damage());
+  for (const auto& log : logs) {
+    if (!log->IsReplaced()) continue;
+    PrintWarning(log->path().string() +
+                 ": no frame of it is used: later logs have its channels; the log that replaces a "
+                 "part of a recording is named behind it");
+  }
   check.RequireOneOrder();
   out.Close();
   PrintLine(fmt::format("{}: {} of {} events", options.out.string(), out.events(),

@@ -170,7 +170,12 @@ TEST(LogMerge, TakesNewAnswersInThePlaceOfOldOnesOnlyWhenTold) {
   ExpectRefused({"merge", recorded, replay, "--out", out},
                 "SPROUT_PRIOR of frame 0 is another than in " + recorded + "; --replace takes");
   EXPECT_FALSE(std::filesystem::exists(out));
-  ASSERT_EQ(RunLog({"merge", recorded, replay, "--out", out, "--replace"}).exit_code, 0);
+  EXPECT_THAT(RunLog({"merge", replay, recorded, "--out", out, "--replace"}).err,
+              HasSubstr(replay + ": no frame of it is used: later logs have its channels;"));
+  const MainOutcome merged =
+      RunLog({"merge", recorded, replay, "--out", out, "--replace", "--force"});
+  ASSERT_EQ(merged.exit_code, 0);
+  EXPECT_EQ(merged.err, "");
   int statuses = 0;
   int priors = 0;
   for (const Event& event : ReadLog(out).events) {
