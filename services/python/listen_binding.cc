@@ -1,9 +1,14 @@
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <memory>
+#include <utility>
 
+#include "common/app/silence_watch.h"
+#include "common/app/stage_monitor.h"
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
 #include "common/bus/mailbox.h"
@@ -33,6 +38,16 @@ std::vector<std::string_view> ChannelsOf(const PartSet& parts) {
   return channels;
 }
 
+// So that the reason is known in time.
+std::chrono::milliseconds PatienceOf(const std::optional<double>& timeout_s) {
+  constexpr std::chrono::milliseconds kShortest{100};
+  if (!timeout_s ||
+      *timeout_s >= 3 * std::chrono::duration<double>(SilenceWatch::kPatience).count()) {
+    return SilenceWatch::kPatience;
+  }
+  return std::max(kShortest, std::chrono::milliseconds(std::llround(*timeout_s * 1000 / 3)));
+}
+
 // The newest whole frame of the running graph; older ones that nobody took are counted.
 class Listener {
  public:
@@ -40,6 +55,13 @@ class Listener {
            std::optional<double> timeout_s)
       : timeout_s_(timeout_s),
         joiner_(parts),
+        silence_({.stage = "listen",
+                  .config = {},
+                  .lcm_url = url,
+                  .prefix = prefix,
+                  .replay = {},
+                  .stop = {}},
+                 ChannelsOf(parts), monitor_, PatienceOf(timeout_s)),
         receiver_(
             url, prefix, ChannelsOf(parts),
             [this](std::string_view channel, std::span<const uint8_t> bytes) {
@@ -57,10 +79,13 @@ class Listener {
         return {.frame = std::move(*frame)};
       }
       check();
+      WarnOfSilence();
       const double waited_s = std::chrono::duration<double>(Clock::now() - begun).count();
       if (timeout_s_ && waited_s > *timeout_s_) {
         const Locked gil;
-        PyErr_SetString(PyExc_TimeoutError, "no frame within timeout_s; does the graph run?");
+        const std::string text = "no frame within timeout_s" +
+                                 (warned_.empty() ? "; does the graph run?" : ": " + warned_);
+        PyErr_SetString(PyExc_TimeoutError, text.c_str());
         throw py::error_already_set();
       }
     }
@@ -72,15 +97,28 @@ class Listener {
 
  private:
   void Take(std::string_view channel, std::span<const uint8_t> bytes) {
+    silence_.Heard(channel);
     Result<std::vector<Frame>> frames = joiner_.AddMessage(*PartOf(channel), bytes);
     if (!frames) ++bad_messages_;
     incomplete_ = joiner_.incomplete();
     if (!frames) return;
+    if (!frames->empty()) silence_.HeardFrame();
     for (Frame& frame : *frames) skipped_ += mailbox_.Put(std::move(frame));
   }
 
+  // Who waits without a timeout would never know why.
+  void WarnOfSilence() {
+    const std::string text = monitor_.Snapshot().last_error;
+    if (text == std::exchange(warned_, text) || text.empty()) return;
+    const Locked gil;
+    if (PyErr_WarnEx(PyExc_RuntimeWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+  }
+
   std::optional<double> timeout_s_;
+  std::string warned_;  // the warning that holds now
   FrameJoiner joiner_;
+  StageMonitor monitor_{"listen", ""};
+  SilenceWatch silence_;
   Mailbox<Frame> mailbox_;
   std::atomic<int64_t> skipped_ = 0;
   std::atomic<int64_t> bad_messages_ = 0;
@@ -136,7 +174,8 @@ Frames of the running graph, each whole: for frame in sprout.listen(["left", "di
 The newest one; what was replaced before it was taken is counted.
 parts: that a frame must have; None: left, disparity and rig.
 prefix: of the channels, as --channel-prefix. url: as --lcm-url; None: LCM_DEFAULT_URL, or the graph's own.
-timeout_s: TimeoutError when no frame comes for so long; None: waits for ever. Ctrl-C ends it.)");
+timeout_s: TimeoutError when no frame comes for so long; None: waits for ever, and a RuntimeWarning says what is
+missing after 6 s. Ctrl-C ends it.)");
 }
 
 }  // namespace sprout::python

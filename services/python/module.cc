@@ -3,6 +3,7 @@
 #include <iterator>
 
 #include "common/app/compute.h"
+#include "common/app/log.h"
 #include "common/app/version.h"
 #include "common/bus/lcm_url.h"
 #include "common/config/config_error.h"
@@ -100,6 +101,8 @@ PYBIND11_MODULE(_sprout, module) {
              R"(set_threads(count: int) -> None
 
 Threads that a computation may use, for the whole process; 0: one a core; at most 1024. Results do not depend on it.)");
+  // What the module has to say it says to Python; run() has a log, and sets it up.
+  sprout::SetLogLevel(sprout::LogLevel::kNone);
   RefuseNew(module);
   python::WatchForTheEnd();
 }

@@ -4,6 +4,7 @@ import subprocess
 import sys
 import time
 import unittest
+import warnings
 
 import numpy
 
@@ -183,6 +184,18 @@ class LogTest(FolderTest):
         self.assertGreater(read, 900)
         # The index takes 300 bytes a frame.
         self.assertLess(resident_kb() - start, 2000 + read * 0.3)
+
+    def test_listening_says_why_no_frame_comes(self) -> None:
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            try:
+                next(sprout.listen(["left"], prefix="NOBODY_", url="udpm://239.255.76.67:17667?ttl=0", timeout_s=5))
+            except TimeoutError as error:
+                self.assertIn("no frame within timeout_s: nothing heard on NOBODY_SPROUT_LEFT", str(error))
+            except OSError:
+                self.skipTest("no network here")
+        self.assertEqual([str(warning.message) for warning in said][0].split(";")[0],
+                         "nothing heard on NOBODY_SPROUT_LEFT")
 
     def test_ctrl_c_ends_reading_and_computing(self) -> None:
         programs = {
