@@ -155,6 +155,16 @@ void SilenceWatch::HeardFrame() {
   warnings_.clear();
 }
 
+void SilenceWatch::HeardSingle(std::string_view channel) {
+  Heard(channel);
+  {
+    const std::lock_guard lock(mutex_);
+    if (!singles_.contains(channel)) singles_.emplace(channel);
+    if (singles_.size() < needed_.size()) return;
+  }
+  HeardFrame();
+}
+
 void SilenceWatch::Watch(const std::stop_token& stop) {
   while (SleepFor(patience_ / 10, stop)) {
     {

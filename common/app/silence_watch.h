@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <set>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -47,6 +48,10 @@ class SilenceWatch {
   /// A whole frame came, or whatever else is waited for.
   void HeardFrame();
 
+  /// In place of both for those who take single messages: once each channel has been heard, every
+  /// message is what is waited for.
+  void HeardSingle(std::string_view channel);
+
  private:
   using Clock = std::chrono::steady_clock;
 
@@ -62,6 +67,7 @@ class SilenceWatch {
   Clock::duration wait_;  // for the next frame
   bool heard_frame_ = false;
   MessageCounts counts_;
+  std::set<std::string, std::less<>> singles_;  // channels of HeardSingle()
   Clock::time_point last_frame_ = Clock::now();
   bool warned_ = false;
   size_t told_ = 0;  // channels heard when it warned, and when that was

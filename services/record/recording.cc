@@ -173,8 +173,7 @@ void Recording::Receive(std::string_view channel, std::span<const uint8_t> bytes
 // A misspelt channel is told while it can still be mended, not at the end.
 void Recording::Hear(std::string_view channel) {
   if (!heard_.contains(channel)) heard_.emplace(channel);
-  silence_->Heard(channel);
-  if (!options_.named || heard_.size() == options_.channels.size()) silence_->HeardFrame();
+  options_.named ? silence_->HeardSingle(channel) : silence_->HeardFrame();
 }
 
 void Recording::Drop(std::string_view channel) {

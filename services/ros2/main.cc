@@ -6,8 +6,10 @@
 #include "common/app/log.h"
 #include "common/app/log_limiter.h"
 #include "common/app/service.h"
+#include "common/app/silence_watch.h"
 #include "common/app/status_reporter.h"
 #include "common/app/supervision.h"
+#include "common/bus/channels.h"
 #include "common/bus/receiver.h"
 #include "common/core/digest.h"
 #include "common/core/sleep.h"
@@ -46,6 +48,7 @@ int Run(const ServiceContext& context) {
   NotifyReady();
   Watchdog watchdog;
   std::set<std::string_view> channels;
+  std::optional<SilenceWatch> silence;
   std::optional<Receiver> receiver;
   auto next_diagnostics = std::chrono::steady_clock::now();
   while (!context.stop.stop_requested()) {
@@ -55,10 +58,15 @@ int Run(const ServiceContext& context) {
       channels = std::move(wanted);
       receiver.reset();
       bridge.ReceivesOnly(channels);
+      std::vector<std::string_view> of_frames(channels.begin(), channels.end());
+      std::erase(of_frames, kStatusChannel);
+      if (silence) silence->HeardFrame();  // what was waited for is wanted no more
+      silence.emplace(context, of_frames, monitor);
       receiver.emplace(
           context.lcm_url, context.prefix,
           std::vector<std::string_view>(channels.begin(), channels.end()),
           [&](std::string_view channel, std::span<const uint8_t> bytes) {
+            if (channel != kStatusChannel) silence->HeardSingle(channel);
             bridge.OnMessage(channel, bytes);
           },
           [&](std::string_view channel) { monitor.MessageDropped(channel); }, kMaxQueuedBytes);

@@ -9,6 +9,7 @@
 #include "common/app/log.h"
 #include "common/app/service.h"
 #include "common/app/service_context.h"
+#include "common/app/silence_watch.h"
 #include "common/app/stage_monitor.h"
 #include "common/app/status_reporter.h"
 #include "common/app/supervision.h"
@@ -42,11 +43,14 @@ class FrameTaker {
     Mailbox<Frame> mailbox;
     std::vector<std::string_view> channels;
     for (const Part part : kParts) channels.push_back(ChannelOf(part));
+    SilenceWatch silence(context_, channels, monitor_, kPatience);
     const Receiver receiver(
         context_.lcm_url, context_.prefix, channels,
         [&](std::string_view channel, std::span<const uint8_t> bytes) {
+          silence.Heard(channel);
           Result<std::vector<Frame>> frames = joiner_.AddMessage(*PartOf(channel), bytes);
           if (!frames) return monitor_.BadMessage(channel, frames.error().text);
+          if (!frames->empty()) silence.HeardFrame();
           for (Frame& frame : *frames) mailbox.Put(std::move(frame));
         },
         [&](std::string_view channel) { monitor_.MessageDropped(channel); });
@@ -61,6 +65,8 @@ class FrameTaker {
 
  private:
   static constexpr Part kParts[] = {Part::kLeft, Part::kRight, Part::kTof, Part::kRig};
+  // The interval of the frames, of which it sees one now and then, is not known.
+  static constexpr std::chrono::seconds kPatience{15};
 
   const ServiceContext& context_;
   StageMonitor& monitor_;

@@ -127,6 +127,14 @@ TEST(Ros2System, ASubscriberThatSleepsStopsNobody) {
   EXPECT_GE(heard + status.frames_failed, status.frames_in) << awake->Output();
 }
 
+TEST(Ros2System, SaysThatNothingOfTheGraphComes) {
+  Graph graph;
+  graph.Start("ros2");
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
+    return g.statuses["ros2"].last_error.starts_with("nothing heard on SPROUT_RIG; heard in");
+  }));
+}
+
 TEST(Ros2System, RefusesAFrameThatStandsInItself) {
   EXPECT_THAT(
       OutputOf({"sprout-ros2", "--config", "ros2 { left_frame: \"camera\" tof_frame: \"camera\" }"},

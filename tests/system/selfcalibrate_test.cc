@@ -206,6 +206,14 @@ TEST(SelfCalibrateSystem, WarnsOfAKnockedRigWithTheCommandThatPutsItRight) {
   EXPECT_EQ(watcher.Wait(), 0) << watcher.Output();
 }
 
+TEST(SelfCalibrateSystem, SaysThatNoFrameComes) {
+  Graph graph;
+  graph.Start("selfcalibrate");
+  EXPECT_TRUE(graph.WaitUntil([](Graph& g) {
+    return g.statuses["selfcalibrate"].last_error.starts_with("nothing heard on SPROUT_LEFT, ");
+  }));
+}
+
 TEST(SelfCalibrateSystem, SaysWhatItCannotDo) {
   const TemporaryDirectory folder;
   const std::string apply =
