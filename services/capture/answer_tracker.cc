@@ -52,7 +52,15 @@ void AnswerTracker::OnStatus(std::span<const uint8_t> bytes) {
   duplicates_.Heard(*status);
   const std::lock_guard lock(mutex_);
   // The last status of a process that ends does not mean that the stage is there.
-  if (status->state != StageStatus::State::kStopped) silent_.erase(status->stage);
+  if (status->state == StageStatus::State::kStopped) return;
+  silent_.erase(status->stage);
+  if (status->stage != "capture" && reported_.size() < kMaxReported)
+    reported_.insert(status->stage);
+}
+
+std::set<std::string> AnswerTracker::reported() {
+  const std::lock_guard lock(mutex_);
+  return reported_;
 }
 
 void AnswerTracker::OnDisparity(std::span<const uint8_t> bytes) {

@@ -38,6 +38,9 @@ class AnswerTracker {
   ///          requested.
   std::set<std::string> WaitForStages(Deadline deadline, const std::stop_token& stop);
 
+  /// Stages that have reported, the first few that did; without capture itself.
+  std::set<std::string> reported();
+
   /// A frame is about to be sent; an answer with this FrameId is expected.
   void Expect(const FrameId& id);
 
@@ -48,6 +51,8 @@ class AnswerTracker {
   void WaitForRoom(size_t count, Deadline deadline, const std::stop_token& stop);
 
  private:
+  static constexpr size_t kMaxReported = 16;
+
   void OnMessage(std::string_view channel, std::span<const uint8_t> bytes);
   void OnStatus(std::span<const uint8_t> bytes);
   void OnDisparity(std::span<const uint8_t> bytes);
@@ -56,9 +61,10 @@ class AnswerTracker {
   DuplicateWatch duplicates_;
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::set<std::string> silent_;  // stages that have not reported
-  std::vector<FrameId> missing_;  // expected and not answered
-  Receiver receiver_;             // last: stops before the rest is destroyed
+  std::set<std::string> silent_;    // stages that have not reported
+  std::set<std::string> reported_;  // at most kMaxReported
+  std::vector<FrameId> missing_;    // expected and not answered
+  Receiver receiver_;               // last: stops before the rest is destroyed
 };
 
 /// When a frame is due: at a fixed rate, or at the recorded intervals. After a stall of more than

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <exception>
 #include <memory>
+#include <set>
 #include <span>
 #include <stop_token>
+#include <string>
 #include <string_view>
 #include <thread>
 #include <utility>
@@ -22,6 +24,7 @@
 #include "common/bus/publisher.h"
 #include "common/bus/receiver.h"
 #include "common/core/digest.h"
+#include "common/core/joined.h"
 #include "common/messages/codec.h"
 #include "services/capture/answer_tracker.h"
 #include "services/capture/capture_feed.h"
@@ -223,11 +226,14 @@ class Capture {
   bool WaitForStages() {
     const auto missing =
         answers_.WaitForStages(Clock::now() + ToClock(options_.wait_timeout), stop_);
+    const std::set<std::string> reported = answers_.reported();
+    const std::string others =
+        reported.empty() ? "" : "those of " + Joined(", ", reported) + " came; ";
     for (const std::string& stage : missing) {
       if (!stop_.stop_requested()) {
         LogLine(LogLevel::kError,
-                "no status from stage '{}' in {} s; is it running on this LCM URL and prefix?",
-                stage, options_.wait_timeout.count());
+                "no status from stage '{}' in {} s; {}is it running on this LCM URL and prefix?",
+                stage, options_.wait_timeout.count(), others);
       }
     }
     return missing.empty();

@@ -71,7 +71,8 @@ TEST(LifecycleSystem, CaptureSaysWhichStageIsMissing) {
   Process& capture =
       graph.StartOnly("capture", {"--wait-for", "refine,prior", "--wait-timeout", "2"});
   EXPECT_EQ(capture.Wait(), 1);
-  EXPECT_THAT(capture.Output(), HasSubstr("no status from stage 'prior'"));
+  EXPECT_THAT(capture.Output(),
+              HasSubstr("no status from stage 'prior' in 2 s; those of refine came;"));
   EXPECT_THAT(capture.Output(), testing::Not(HasSubstr("stage 'refine'")));
 }
 
