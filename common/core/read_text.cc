@@ -49,7 +49,7 @@ Result<std::string> WithoutMark(Result<std::string> text) {
     return CannotRead("text in UTF-16; save it as UTF-8");
   }
   if (text && text->starts_with("\x1f\x8b")) {
-    return CannotRead("packed with gzip; unpack it with gunzip");
+    return CannotRead("packed with gzip; unpack it with gunzip, an archive with tar -xzf");
   }
   return text;
 }

@@ -340,19 +340,20 @@ void AddImport(Flags& program, Options& options) {
       "import",
       "Makes a rig file of a pair's calibration by another program: OpenCV's stereoCalibrate (YAML "
       "or XML, in one file\nor intrinsics and extrinsics apart), ROS's camera_calibration "
-      "(left.yaml right.yaml), Kalibr (camchain)",
+      "(left.yaml right.yaml), Kalibr (camchain), EuRoC (two sensor.yaml)",
       [&options] { return RunImport(options.import); });
-  flags.Add("FILE", options.import.files, "The calibration; of ROS that of the left camera first")
+  flags
+      .Add("FILE", options.import.files,
+           "The calibration; of ROS and EuRoC that of the left camera first")
       .Required()
       .ExistingFile();
   flags.Add("--out FILE", options.import.out, "Rig file to write").Required();
   flags.Add("--rig FILE", options.import.rig, "Rig file whose devices are kept");
   flags.Add("--size WxH", options.import.size,
             "Size of the images, px, where the files do not say it (OpenCV's)");
-  flags
-      .Add("--unit UNIT", options.import.unit,
-           "Unit of lengths in the files: that of the board's squares (OpenCV's); else m")
-      .OneOf({"m", "cm", "mm"});
+  flags.Add("--unit UNIT", options.import.unit,
+            "Unit of lengths in the files: mm, cm, m, or so many m, as of a square of the board "
+            "(OpenCV's); else m");
   flags.Add("--fisheye", options.import.fisheye,
             "The lenses are of OpenCV's fisheye model, which its files do not name");
 }

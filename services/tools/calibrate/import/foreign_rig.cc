@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "common/config/required.h"
@@ -47,6 +49,8 @@ std::string Word(const YAML::Node& node) {
   return node.IsDefined() && node.IsScalar() ? node.as<std::string>() : "";
 }
 
+constexpr std::string_view kOpencvsLine = "%YAML:1.0";
+
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using RowMajor4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 
@@ -63,7 +67,17 @@ void RequireNamesOnce(const ForeignFile& file, const YAML::Node& map, bool is_fi
   }
 }
 
-// --- Kalibr ---
+// The pose of a matrix of 4x4 numbers.
+Pose PoseOf(const ForeignFile& file, const YAML::Node& node, const std::string& name) {
+  const std::vector<double> numbers = Numbers(file, node, name, 16);
+  const RowMajor4 matrix = Eigen::Map<const RowMajor4>(numbers.data());
+  const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
+  RequireRotation(file.path.string() + ": " + name, rotation);
+  return {.rotation = Eigen::Quaterniond(rotation).normalized(),
+          .translation_m = matrix.topRightCorner<3, 1>()};
+}
+
+// --- Kalibr, and EuRoC, whose sensor.yaml describes a camera in nearly the same words ---
 
 ForeignCamera KalibrCamera(const ForeignFile& file, const std::string& name,
                            const YAML::Node& node) {
@@ -78,10 +92,13 @@ ForeignCamera KalibrCamera(const ForeignFile& file, const std::string& name,
                        .distortion = {}};
   camera.k << k[0], 0, k[2], 0, k[1], k[3], 0, 0, 1;
   const std::string model = Word(node["distortion_model"]);
-  if (model == "radtan" || model == "equidistant") {
-    camera.distortion = Numbers(file, node["distortion_coeffs"], name + ": distortion_coeffs", 4);
+  const std::string coefficients = node["distortion_coefficients"].IsDefined()
+                                       ? "distortion_coefficients"  // EuRoC's
+                                       : "distortion_coeffs";
+  if (model == "radtan" || model == "radial-tangential" || model == "equidistant") {
+    camera.distortion = Numbers(file, node[coefficients], name + ": " + coefficients, 4);
     camera.is_fisheye = model == "equidistant";
-  } else if (model != "none" && (!model.empty() || node["distortion_coeffs"].IsDefined())) {
+  } else if (model != "none" && (!model.empty() || node[coefficients].IsDefined())) {
     // Coefficients without a model are of radtan, or of equidistant.
     throw Bad(file, name + " has distortion_model '" + model +
                         "'; allowed are radtan, equidistant and none");
@@ -89,23 +106,89 @@ ForeignCamera KalibrCamera(const ForeignFile& file, const std::string& name,
   return camera;
 }
 
-ForeignRig KalibrRig(const ForeignFile& file, const YAML::Node& root) {
-  if (!root["cam1"].IsDefined()) throw Bad(file, "no cam1; allowed is a camchain of two cameras");
-  const std::vector<double> t = Numbers(file, root["cam1"]["T_cn_cnm1"], "cam1: T_cn_cnm1", 16);
-  const RowMajor4 cam1_from_cam0 = Eigen::Map<const RowMajor4>(t.data());
-  RequireRotation(file.path.string() + ": cam1: T_cn_cnm1", cam1_from_cam0.topLeftCorner<3, 3>());
-  const Pose pose{
-      .rotation =
-          Eigen::Quaterniond(Eigen::Matrix3d(cam1_from_cam0.topLeftCorner<3, 3>())).normalized(),
-      .translation_m = cam1_from_cam0.topRightCorner<3, 1>()};
-  ForeignRig rig{.left = KalibrCamera(file, "cam0", root["cam0"]),
-                 .right = KalibrCamera(file, "cam1", root["cam1"]),
-                 .left_from_right = pose.Inverse()};
-  if (rig.left_from_right.translation_m.x() < 0) {
-    std::swap(rig.left, rig.right);
-    rig.left_from_right = pose;
-  }
+// The camera that stands on the left becomes the left one.
+ForeignRig InOrder(ForeignRig rig) {
+  if (rig.left_from_right.translation_m.x() >= 0) return rig;
+  std::swap(rig.left, rig.right);
+  rig.left_from_right = rig.left_from_right.Inverse();
+  rig.is_second_left = true;
   return rig;
+}
+
+ForeignRig KalibrRig(const ForeignFile& file, const YAML::Node& root) {
+  const YAML::Node& first = root["cam0"];
+  const YAML::Node& second = root["cam1"];
+  if (!second.IsDefined()) throw Bad(file, "no cam1; allowed is a camchain of two cameras");
+  const auto pose = [&](const char* camera, const char* name) {
+    return PoseOf(file, root[camera][name], std::string(camera) + ": " + name);
+  };
+  Pose cam0_from_cam1;
+  if (second["T_cn_cnm1"].IsDefined() || !(first["T_cam_imu"] || first["T_imu_cam"])) {
+    cam0_from_cam1 = pose("cam1", "T_cn_cnm1").Inverse();
+  } else if (first["T_cam_imu"]) {
+    cam0_from_cam1 = pose("cam0", "T_cam_imu") * pose("cam1", "T_cam_imu").Inverse();
+  } else {  // OpenVINS'
+    cam0_from_cam1 = pose("cam0", "T_imu_cam").Inverse() * pose("cam1", "T_imu_cam");
+  }
+  return InOrder({.left = KalibrCamera(file, "cam0", first),
+                  .right = KalibrCamera(file, "cam1", second),
+                  .left_from_right = cam0_from_cam1});
+}
+
+// T_BS takes points of the camera to the body.
+ForeignRig EurocRig(const std::vector<ForeignFile>& files, const std::vector<YAML::Node>& roots) {
+  if (files.size() != 2) {
+    throw Bad(files[0], "EuRoC's sensor.yaml of one camera; allowed are two, of cam0 and cam1");
+  }
+  const Pose first = PoseOf(files[0], roots[0]["T_BS"]["data"], "T_BS: data");
+  const Pose second = PoseOf(files[1], roots[1]["T_BS"]["data"], "T_BS: data");
+  return InOrder({.left = KalibrCamera(files[0], files[0].path.string(), roots[0]),
+                  .right = KalibrCamera(files[1], files[1].path.string(), roots[1]),
+                  .left_from_right = first.Inverse() * second});
+}
+
+// --- Programs whose calibrations are not read ---
+
+constexpr char kCure[] =
+    "; allowed are OpenCV's (stereoCalibrate), ROS's (camera_info), Kalibr's (camchain) and "
+    "EuRoC's, or a rig file with its numbers (README of sprout-calibrate, A rig file)";
+constexpr char kRectified[] =
+    "; the images of its SDK are rectified, so sprout-pipeline files --focal-px, --baseline-m "
+    "needs no rig "
+    "file";
+constexpr char kCalib[] = "; sprout-pipeline files --calib reads it";
+
+struct OtherProgram {
+  std::string_view mark;  // is in its files
+  std::string_view name;
+  const char* cure;
+};
+constexpr OtherProgram kOthers[] = {
+    {"[LEFT_CAM_", "a .conf of ZED", kRectified},
+    {"stream-depth-format", "the settings of a RealSense, no calibration", kRectified},
+    {"\"ppx\"", "the intrinsics of one camera of a RealSense", kRectified},
+    {"\"cameraData\"", "a calibration of DepthAI (OAK)", kCure},
+    {"\"T_imu_cam\"", "a calibration of Basalt", kCure},
+    {"\"intrinsic_matrix\"", "the intrinsics of one camera, of Open3D", kCure},
+    {"\"CameraParameters1\"", "a stereoParameters of Matlab", kCure},
+    {"Camera1.fx", "the settings of ORB-SLAM3", kCure},
+    {"projection_parameters:", "a camera of VINS or camodocal", kCure},
+    {"fc_left", "a calibration of Bouguet's toolbox", kCure},
+    {"CAMERA_ID, MODEL", "COLMAP's cameras, which do not say how a pair stands", kCure},
+    {"ustar", "an archive; unpack it with tar -xf", ""},
+    {"oST version", "ROS's ost.txt; left.yaml and right.yaml of the same archive are read", ""},
+    {"Camera-system parameters:", "a report of Kalibr; its camchain is read", ""},
+    {"cam0=[", "a calib.txt of Middlebury", kCalib},
+    {"P0: ", "a calib.txt of KITTI", kCalib},
+    {"P_rect_", "a calib_cam_to_cam.txt of KITTI", kCalib},
+};
+
+// @throws ConfigError naming the program whose file it is, if it is known, and what to do.
+void RefuseOtherPrograms(const ForeignFile& file) {
+  for (const OtherProgram& other : kOthers) {
+    if (file.text.find(other.mark) == std::string::npos) continue;
+    throw Bad(file, std::string(other.name) + other.cure);
+  }
 }
 
 // --- ROS ---
@@ -115,32 +198,39 @@ struct RosFile {
   ForeignRectification rectification;
 };
 
+// @param field  of the message, as `ros2 topic echo` and `rostopic echo` (in capitals) print it.
 std::vector<double> MatrixData(const ForeignFile& file, const YAML::Node& root, const char* name,
-                               size_t count) {
+                               char field, size_t count) {
   const YAML::Node node = root[name];
-  if (!node.IsDefined() || !node.IsMap()) throw Bad(file, std::string("no ") + name);
-  return Numbers(file, node["data"], std::string(name) + ": data", count);
+  if (node.IsDefined() && node.IsMap()) {
+    return Numbers(file, node["data"], std::string(name) + ": data", count);
+  }
+  for (const char letter : {field, static_cast<char>(std::toupper(field))}) {
+    const std::string echoed(1, letter);
+    if (root[echoed]) return Numbers(file, root[echoed], echoed, count);
+  }
+  throw Bad(file, std::string("no ") + name);
 }
 
 RosFile ReadRosCamera(const ForeignFile& file, const YAML::Node& root) {
   RosFile ros;
   ForeignCamera& camera = ros.camera;
   camera.name = file.path.string();
-  if (!root["image_width"].IsDefined() || !root["image_height"].IsDefined()) {
-    throw Bad(file, "no image_width and image_height");
-  }
-  camera.size = {root["image_width"].as<int>(), root["image_height"].as<int>()};
-  camera.k = Eigen::Map<const RowMajor3>(MatrixData(file, root, "camera_matrix", 9).data());
-  camera.distortion = MatrixData(file, root, "distortion_coefficients", 0);
+  const YAML::Node& width = root["image_width"] ? root["image_width"] : root["width"];
+  const YAML::Node& height = root["image_height"] ? root["image_height"] : root["height"];
+  if (!width || !height) throw Bad(file, "no image_width and image_height");
+  camera.size = {width.as<int>(), height.as<int>()};
+  camera.k = Eigen::Map<const RowMajor3>(MatrixData(file, root, "camera_matrix", 'k', 9).data());
+  camera.distortion = MatrixData(file, root, "distortion_coefficients", 'd', 0);
   const std::string model = Word(root["distortion_model"]);
   camera.is_fisheye = model == "equidistant" || model == "fisheye";
   if (!camera.is_fisheye && model != "plumb_bob" && model != "rational_polynomial") {
     throw Bad(file, "distortion_model '" + model +
                         "'; allowed are plumb_bob, rational_polynomial and equidistant");
   }
-  const std::vector<double> p = MatrixData(file, root, "projection_matrix", 12);
+  const std::vector<double> p = MatrixData(file, root, "projection_matrix", 'p', 12);
   ros.rectification.rotation =
-      Eigen::Map<const RowMajor3>(MatrixData(file, root, "rectification_matrix", 9).data());
+      Eigen::Map<const RowMajor3>(MatrixData(file, root, "rectification_matrix", 'r', 9).data());
   RequireRotation(file.path.string() + ": rectification_matrix", ros.rectification.rotation);
   ros.rectification.tx = p[3];
   ros.rectification.focal_px = p[0];
@@ -164,8 +254,22 @@ ForeignRig RosRig(const std::vector<ForeignFile>& files, const std::vector<YAML:
           .left_from_right = PoseOfRectified(left.rectification, right.rectification)};
 }
 
-// The pair of a camchain of Kalibr (one file with cam0 and cam1), or of two camera_info files of
-// ROS's camera_calibration, left and right.
+// PyYAML's matrices are lists in block style, which OpenCV does not read.
+std::vector<ForeignFile> InOpencvsWords(std::vector<ForeignFile> files,
+                                        const std::vector<YAML::Node>& roots) {
+  for (size_t i = 0; i < files.size(); ++i) {
+    if (IsOpencvFile(files[i])) continue;
+    for (const auto& entry : roots[i]) {
+      YAML::Node value = entry.second;
+      if (value.IsSequence()) value.SetStyle(YAML::EmitterStyle::Flow);
+    }
+    files[i].text = std::string(kOpencvsLine) + "\n---\n" + YAML::Dump(roots[i]) + "\n";
+  }
+  return files;
+}
+
+// The pair of a camchain of Kalibr (one file with cam0 and cam1), of two files of ROS's
+// camera_calibration or EuRoC, left and right, or of matrices in lists.
 // @throws ConfigError naming file and entry that cannot be used, or is missing.
 ForeignRig ReadYamlRig(const std::vector<ForeignFile>& files) {
   std::vector<YAML::Node> roots;
@@ -174,11 +278,13 @@ ForeignRig ReadYamlRig(const std::vector<ForeignFile>& files) {
       throw Bad(file, "no text, but binary, as of NumPy or Matlab; allowed are YAML, XML and JSON");
     }
     try {
-      roots.push_back(YAML::Load(file.text));
+      // A line of OpenCV, which other readers refuse, and other writers copy.
+      const bool is_copied = file.text.starts_with(kOpencvsLine);
+      roots.push_back(YAML::Load(is_copied ? file.text.substr(kOpencvsLine.size()) : file.text));
     } catch (const YAML::Exception& e) {
-      throw Bad(file, std::string("no YAML: ") + e.what());
+      throw Bad(file, std::string("no YAML: ") + e.what() + kCure);
     }
-    if (!roots.back().IsMap()) throw Bad(file, "no calibration of OpenCV, ROS or Kalibr");
+    if (!roots.back().IsMap()) throw Bad(file, std::string("no calibration that is known") + kCure);
     RequireNamesOnce(file, roots.back(), /*is_file=*/true);
   }
   try {
@@ -186,12 +292,16 @@ ForeignRig ReadYamlRig(const std::vector<ForeignFile>& files) {
       if (files.size() > 1) throw Bad(files[1], "a second file; allowed: a camchain alone");
       return KalibrRig(files[0], roots[0]);
     }
-    if (roots[0]["camera_matrix"].IsDefined()) return RosRig(files, roots);
+    if (roots[0]["T_BS"]) return EurocRig(files, roots);
+    if (roots[0]["camera_matrix"] || roots[0]["distortion_model"]) return RosRig(files, roots);
   } catch (const YAML::Exception& e) {
     throw Bad(files[0], std::string("an entry cannot be used: ") + e.what());
   }
-  throw Bad(files[0],
-            "no calibration of OpenCV (stereoCalibrate), ROS (camera_info) or Kalibr (camchain)");
+  const bool has_lists = std::ranges::any_of(roots, [](const YAML::Node& root) {
+    return std::ranges::any_of(root, [](const auto& entry) { return entry.second.IsSequence(); });
+  });
+  if (has_lists) return ReadOpencvRig(InOpencvsWords(files, roots));
+  throw Bad(files[0], std::string("no calibration that is known") + kCure);
 }
 
 }  // namespace
@@ -255,6 +365,7 @@ ForeignRig ReadForeignRig(const std::vector<fs::path>& files) {
   std::vector<ForeignFile> texts;
   for (const fs::path& file : files) {
     texts.push_back({file, Required(ReadText(file), file.string() + ": ")});
+    RefuseOtherPrograms(texts.back());
   }
   if (std::ranges::all_of(texts, IsOpencvFile)) return ReadOpencvRig(texts);
   return ReadYamlRig(texts);

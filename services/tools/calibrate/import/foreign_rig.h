@@ -29,6 +29,7 @@ struct ForeignRig {
   ForeignCamera right;
   /// The right camera in the left one's frame; lengths in the file's unit.
   Pose left_from_right;
+  bool is_second_left = false;  ///< the second camera of its files stands on the left
 };
 
 /// A rectified camera's rotation (camera to rectified frame) and Tx (P[0, 3]) and f of its P.
@@ -43,10 +44,12 @@ struct ForeignRectification {
 Pose PoseOfRectified(const ForeignRectification& left, const ForeignRectification& right);
 
 /// Reads a pair from one file or two: OpenCV's YAML or XML of stereoCalibrate() (in one file, or
-/// intrinsics and extrinsics apart as its samples write them), two camera_info files of ROS's
-/// camera_calibration, left and right, or a camchain of Kalibr (of its first two cameras the one on
-/// the left is the left one).
-/// @throws ConfigError naming file and entry that cannot be used, or is missing.
+/// intrinsics and extrinsics apart as its samples write them), the same as PyYAML's lists, two
+/// camera_info files of ROS, left and right, as camera_calibration writes them or `topic echo`
+/// prints them, a camchain of Kalibr, or two sensor.yaml of EuRoC (of both the camera on the left
+/// is the left one).
+/// @throws ConfigError naming file and entry that cannot be used, or is missing, or the program
+/// whose files are not read.
 ForeignRig ReadForeignRig(const std::vector<std::filesystem::path>& files);
 
 /// @param name  of the matrix, for people: "stereo.yml: R"

@@ -11,16 +11,19 @@
 #include "common/core/number_text.h"
 #include "common/rig/rectifier.h"
 #include "common/rig/rig_file.h"
+#include "common/scenes/pfm.h"
 #include "services/tools/calibrate/import/foreign_rig.h"
 #include "services/tools/calibrate/result_file.h"
 
 namespace sprout::calibrate {
 namespace {
 
-// A longer baseline in m is one in mm: pairs of cameras are nearer, and those that are not say so.
-constexpr double kLongestUnsaidM = 5;
+// A longer baseline in m is one in mm, or in squares of a board: pairs of cameras are nearer, and
+// those that are not say so.
+constexpr double kLongestUnsaidM = 1;
 // A shorter one is none in mm or cm.
 constexpr double kShortestM = 0.001;
+constexpr char kUnits[] = "; allowed: --unit mm, cm, m, or metres (0.025: squares of 25 mm)";
 
 cv::Size SizeOf(const std::string& text) {
   const auto size = ParseSize(text);
@@ -31,8 +34,9 @@ cv::Size SizeOf(const std::string& text) {
 }
 
 double MetresPerUnit(const std::string& unit) {
-  if (unit == "mm") return 0.001;
-  return unit == "cm" ? 0.01 : 1;
+  const auto metres = unit.empty() ? 1 : scenes::ParseRangeUnit(unit);
+  if (!metres) throw ConfigError("--unit " + unit + kUnits);
+  return *metres;
 }
 
 void FillSizes(const ImportOptions& options, ForeignRig& rig) {
@@ -68,9 +72,8 @@ void ScaleToMetres(const ImportOptions& options, Pose& pose) {
   pose.translation_m *= MetresPerUnit(options.unit);
   const double baseline_m = pose.translation_m.norm();
   if ((options.unit.empty() && baseline_m > kLongestUnsaidM) || baseline_m < kShortestM) {
-    throw ConfigError(fmt::format(
-        "the cameras are {:g} m apart, if the file is in {}; allowed: --unit mm, cm or m",
-        baseline_m, options.unit.empty() ? "m" : options.unit));
+    throw ConfigError(fmt::format("the cameras are {:g} m apart, if the unit of the file is {}{}",
+                                  baseline_m, options.unit.empty() ? "m" : options.unit, kUnits));
   }
 }
 
@@ -81,6 +84,9 @@ int RunImport(const ImportOptions& options) {
   ForeignRig foreign = ReadForeignRig(options.files);
   if (options.fisheye) foreign.left.is_fisheye = foreign.right.is_fisheye = true;
   FillSizes(options, foreign);
+  if (foreign.is_second_left) {
+    std::cout << foreign.left.name << " stands on the left: its images are the left ones\n";
+  }
   RigDescription description;
   if (!options.rig.empty()) description = LoadRigFile(options.rig);
   RawRig rig;

@@ -25,10 +25,11 @@ const std::array<Names, 2> kMatrix = {
           "mtx2"}};
 const std::array<Names, 2> kDistortion = {
     Names{"d1", "distcoeffs1", "distortioncoefficients1", "leftd", "dleft", "dl", "leftdistcoeffs",
-          "distcoeffsleft", "distcoeffsl", "distortionleft", "distcoeff1", "distl", "dist1"},
+          "distcoeffsleft", "distcoeffsl", "distortionleft", "distcoeff1", "distl", "dist1",
+          "distleft", "leftdist"},
     Names{"d2", "distcoeffs2", "distortioncoefficients2", "rightd", "dright", "dr",
           "rightdistcoeffs", "distcoeffsright", "distcoeffsr", "distortionright", "distcoeff2",
-          "distr", "dist2"}};
+          "distr", "dist2", "distright", "rightdist"}};
 const std::array<Names, 2> kRectifyingTurn = {Names{"r1", "leftr", "rleft", "rl"},
                                               Names{"r2", "rightr", "rright", "rr"}};
 const std::array<Names, 2> kProjection = {Names{"p1", "leftp", "pleft", "pl"},
@@ -246,7 +247,7 @@ ForeignRectification RectifiedOf(const Entries& entries, size_t which) {
 
 bool IsOpencvFile(const ForeignFile& file) {
   const std::string_view text = file.text;
-  return text.starts_with("%YAML:") || text.starts_with("<?xml") || text.starts_with("{") ||
+  return text.starts_with("<?xml") || text.starts_with("{") ||
          text.find("!!opencv-matrix") != std::string_view::npos;
 }
 

@@ -59,7 +59,8 @@ TEST_F(ImportProgram, MakesARigFileAndKeepsTheDevices) {
 TEST_F(ImportProgram, LengthsInMillimetresAreNotTakenForMetres) {
   ImportOptions options = Options(Camchain(1000));
   testing::internal::CaptureStdout();
-  EXPECT_THAT(Refusal(options), HasSubstr("the cameras are 120 m apart, if the file is in m"));
+  EXPECT_THAT(Refusal(options),
+              HasSubstr("the cameras are 120 m apart, if the unit of the file is m"));
   options.unit = "mm";
   EXPECT_EQ(RunImport(options), 0);
   testing::internal::GetCapturedStdout();
@@ -71,8 +72,61 @@ TEST_F(ImportProgram, LengthsInMetresAreNotTakenForMillimetres) {
   ImportOptions options = Options(Camchain(1));
   options.unit = "mm";
   testing::internal::CaptureStdout();
-  EXPECT_THAT(Refusal(options), HasSubstr("the cameras are 0.00012 m apart, if the file is in mm"));
+  EXPECT_THAT(Refusal(options),
+              HasSubstr("the cameras are 0.00012 m apart, if the unit of the file is mm"));
   testing::internal::GetCapturedStdout();
+}
+
+// As `ros2 topic echo --once` prints them, and, in capitals, ROS 1's `rostopic echo -n 1`.
+TEST_F(ImportProgram, CameraInfosOfTopicEcho) {
+  const auto echo = [](const std::string& names, const std::string& tx) {
+    const auto field = [&](size_t i, const std::string& numbers) {
+      return names.substr(i, 1) + ": [" + numbers + "]\n";
+    };
+    return "header:\n  stamp:\n    sec: 1\n  frame_id: left\nheight: 480\nwidth: 640\n"
+           "distortion_model: plumb_bob\n" +
+           field(0, "-0.28, 0.07, 0, 0, 0") + field(1, "500, 0, 322, 0, 501, 241, 0, 0, 1") +
+           field(2, "1, 0, 0, 0, 1, 0, 0, 0, 1") +
+           field(3, "510, 0, 320, " + tx + ", 0, 510, 240, 0, 0, 0, 1, 0") + "binning_x: 0\n---\n";
+  };
+  for (const char* names : {"dkrp", "DKRP"}) {
+    ImportOptions options = Options(echo(names, "0"));
+    options.files.push_back(folder_ / "right.yaml");
+    std::ofstream(options.files[1]) << echo(names, "-61.2");
+    testing::internal::CaptureStdout();
+    EXPECT_EQ(RunImport(options), 0);
+    testing::internal::GetCapturedStdout();
+    const RawRig raw = RequireCalibration(LoadRigFile(options.out), options.out);
+    EXPECT_NEAR(raw.left_from_right.translation_m.x(), 0.12, 1e-9);
+    EXPECT_EQ(raw.left.width, 640);
+  }
+}
+
+// Calibrated with squares of side 1.
+TEST_F(ImportProgram, LengthsInSquaresOfABoard) {
+  ImportOptions options = Options(Camchain(1 / 0.025));
+  testing::internal::CaptureStdout();
+  EXPECT_THAT(Refusal(options), HasSubstr("the cameras are 4.8 m apart, if the unit of the file"));
+  options.unit = "25mm";
+  EXPECT_THAT(Refusal(options), HasSubstr("--unit 25mm; allowed: --unit mm, cm, m, or metres ("));
+  options.unit = "0.025";
+  EXPECT_EQ(RunImport(options), 0);
+  testing::internal::GetCapturedStdout();
+  const RawRig raw = RequireCalibration(LoadRigFile(options.out), options.out);
+  EXPECT_NEAR(raw.left_from_right.translation_m.x(), 0.12, 1e-9);
+}
+
+TEST_F(ImportProgram, NamesTheProgramWhoseFilesAreNotRead) {
+  const std::pair<const char*, const char*> kCases[] = {
+      {"[LEFT_CAM_HD]\nfx=700\n", "file.yaml: a .conf of ZED; the images of its SDK are rectified"},
+      {"{\"fx\": 1, \"ppx\": 2}", "a RealSense; the images of its SDK are rectified"},
+      {"#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n1 OPENCV 752 480 458\n",
+       "COLMAP's cameras, which do not say how a pair stands; allowed are OpenCV's"},
+      {"# oST version 5.0 parameters\n", "ROS's ost.txt; left.yaml and right.yaml of the same"},
+      {"cam0=[4000 0 1; 0 4000 2; 0 0 1]\n", "sprout-pipeline files --calib reads it"}};
+  for (const auto& [text, answer] : kCases) {
+    EXPECT_THAT(Refusal(Options(text)), HasSubstr(answer));
+  }
 }
 
 TEST_F(ImportProgram, RefusesSizesThatCannotBe) {

@@ -184,8 +184,8 @@ TEST_F(Import, SaysWhatOfOpencvsFileIsMissing) {
   EXPECT_THAT(Refusal({Write("torn.yml", "%YAML:1.0\n---\nM1: !!opencv-matrix\n   rows: 3\n")}),
               HasSubstr("torn.yml: "));
   // The line, and why, of a text that is none of OpenCV's.
-  EXPECT_THAT(Refusal({Write("cut.yml", "%YAML:1.0\n---\nM1: [ 1, 2")}),
-              HasSubstr("cut.yml: OpenCV cannot read it: (3): "));
+  EXPECT_THAT(Refusal({Write("cut.yml", "%YAML:1.0\n---\nM1: !!opencv-matrix\n  data: [ 1, 2")}),
+              HasSubstr("cut.yml: OpenCV cannot read it: (4): "));
   EXPECT_THAT(Refusal({folder_ / "nothing.yml"}), HasSubstr("nothing.yml: cannot be read"));
 }
 
@@ -236,8 +236,9 @@ TEST_F(Import, RefusesWhatOpencvWouldReadByEndlessRecursion) {
   std::string tags;
   for (int i = 0; i < kDeep; ++i) tags += "<a>";
   const std::string list(kDeep, '[');
-  for (const std::string& text : {"%YAML:1.0\n---\na: " + list, "{\"a\": " + list,
-                                  "<?xml version=\"1.0\"?>\n<opencv_storage>" + tags}) {
+  for (const std::string& text :
+       {"%YAML:1.0\n---\nb: !!opencv-matrix\na: " + list, "{\"a\": " + list,
+        "<?xml version=\"1.0\"?>\n<opencv_storage>" + tags}) {
     EXPECT_THAT(Refusal({Write("deep.yml", text)}),
                 HasSubstr("lists or elements within each other = 20000"));
   }
@@ -268,7 +269,7 @@ TEST_F(Import, CameraInfoFilesOfRos) {
   EXPECT_THAT(Refusal({Write("none.yaml", "camera_matrix: 3\n"), right}),
               HasSubstr("none.yaml: no image_width and image_height"));
   EXPECT_THAT(Refusal({Write("other.yaml", "a: 3\n")}),
-              HasSubstr("no calibration of OpenCV (stereoCalibrate), ROS (camera_info) or Kalibr"));
+              HasSubstr("other.yaml: no calibration that is known; allowed are OpenCV's "));
   EXPECT_THAT(Refusal({Write("text.yaml", "a: [3\n")}), HasSubstr("text.yaml: no YAML: "));
   EXPECT_THAT(Refusal({Write("stereo.npz", std::string("PK\x03\x04\0\0", 6))}),
               HasSubstr("stereo.npz: no text, but binary, as of NumPy or Matlab"));
@@ -330,6 +331,68 @@ TEST_F(Import, ACamchainOfKalibr) {
   const ForeignRig bare = ReadForeignRig(
       {Write("plain.yaml", "cam0: " + plain + second + KalibrPose(truth.r, truth.t))});
   EXPECT_TRUE(bare.left.distortion.empty());
+}
+
+std::string Rows(const cv::Mat& matrix, const std::string& indent) {
+  std::string text;
+  for (int i = 0; i < matrix.rows; ++i) text += indent + "- " + List(matrix.row(i)) + "\n";
+  return text;
+}
+
+// Poses of both cameras to a body, instead of one to the other. OpenVINS has OpenCV's line above.
+TEST_F(Import, PosesToABody) {
+  Truth truth;
+  truth.d1.resize(4);
+  truth.d2.resize(4);
+  cv::Matx33d turn;
+  cv::Rodrigues(cv::Vec3d(0.3, 1.5, -0.2), turn);
+  cv::Mat1d left_from_body(cv::Matx44d::eye());
+  cv::Mat(turn).copyTo(left_from_body(cv::Rect(0, 0, 3, 3)));
+  left_from_body(0, 3) = 0.07;
+  cv::Mat1d right_from_left(cv::Matx44d::eye());
+  cv::Mat(truth.r).copyTo(right_from_left(cv::Rect(0, 0, 3, 3)));
+  cv::Mat(truth.t).copyTo(right_from_left(cv::Rect(3, 0, 1, 3)));
+  const std::array<cv::Mat, 2> from_body = {left_from_body, right_from_left * left_from_body};
+  const std::array<std::string, 2> cameras = {KalibrCamera("cam0", truth.k1, "radtan", truth.d1),
+                                              KalibrCamera("cam1", truth.k2, "radtan", truth.d2)};
+  std::string to_cameras, to_body = "%YAML:1.0\n\n";
+  std::vector<fs::path> euroc;
+  for (size_t i : {0, 1}) {
+    const cv::Mat body_from = from_body[i].inv();
+    to_cameras += cameras[i] + "  T_cam_imu:\n" + Rows(from_body[i], "  ");
+    to_body += cameras[i] + "  T_imu_cam:\n" + Rows(body_from, "  ");
+    std::string text = cameras[i].substr(cameras[i].find('\n') + 1);
+    text.replace(text.find("radtan"), 6, "radial-tangential");
+    text.replace(text.find("_coeffs"), 7, "_coefficients");
+    euroc.push_back(Write(
+        i == 0 ? "cam0.yaml" : "cam1.yaml",
+        text + "  T_BS:\n    cols: 4\n    rows: 4\n    data: " + List(body_from.clone()) + "\n"));
+  }
+  ExpectTruth(ReadForeignRig({Write("imucam.yaml", to_cameras)}), truth);
+  ExpectTruth(ReadForeignRig({Write("openvins.yaml", to_body)}), truth);
+  ExpectTruth(ReadForeignRig(euroc), truth);
+  std::ranges::reverse(euroc);
+  EXPECT_TRUE(ReadForeignRig(euroc).is_second_left);
+  EXPECT_THAT(Refusal({euroc[0]}), HasSubstr("EuRoC's sensor.yaml of one camera; allowed are two"));
+}
+
+// yaml.dump() of the arrays' tolist(): each number in a line of its own.
+TEST_F(Import, ListsOfPyYaml) {
+  const auto block = [](const std::string& name, const cv::Mat1d& matrix) {
+    std::string text = name + ":\n";
+    for (int i = 0; i < static_cast<int>(matrix.total()); ++i) {
+      text += fmt::format("{} - {:.17g}\n", i % matrix.cols == 0 ? "-" : " ", matrix(i));
+    }
+    return text;
+  };
+  ExpectTruth(
+      ReadForeignRig({Write("stereo.yaml",
+                            block("K1", cv::Mat(truth_.k1)) +
+                                block("dist_left", cv::Mat(truth_.d1).reshape(1, 1)) +
+                                block("K2", cv::Mat(truth_.k2)) +
+                                block("dist_right", cv::Mat(truth_.d2).reshape(1, 1)) +
+                                block("R", cv::Mat(truth_.r)) + block("T", cv::Mat(truth_.t)))}),
+      truth_);
 }
 
 }  // namespace
