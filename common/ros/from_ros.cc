@@ -33,9 +33,14 @@ constexpr Encoding kPictures[] = {
     {"8UC1", CV_8UC1},
     {"mono16", CV_16UC1},
     {"16UC1", CV_16UC1},  // of thermal cameras
+    {"nv12", CV_8UC1},    // grey; below it stand colours of a coarser grid, which are left out
+    {"nv21", CV_8UC1},
+    {"nv24", CV_8UC1},
     {"bgr8", CV_8UC3},
     {"8UC3", CV_8UC3},
     {"rgb8", CV_8UC3, cv::COLOR_RGB2BGR},
+    {"bgr16", CV_16UC3},
+    {"rgb16", CV_16UC3, cv::COLOR_RGB2BGR},
     {"bgra8", CV_8UC4, cv::COLOR_BGRA2BGR},
     {"rgba8", CV_8UC4, cv::COLOR_RGBA2BGR},
     {"yuv422", CV_8UC2, cv::COLOR_YUV2BGR_UYVY},
@@ -72,6 +77,8 @@ Result<cv::Mat> ViewOf(const RosImage& ros, int type) {
   constexpr int64_t kLongestPadding = 256;
   const bool is_colour = ros.step == 3 * least || ros.step == 4 * least;
   const bool is_other = is_colour && CV_ELEM_SIZE(type) == 1 && least > kLongestPadding;
+  const uint64_t bytes_needed = uint64_t{ros.step} * ros.height;
+  const bool has_more = RosText(ros.encoding).starts_with("nv");
   Checks checks;
   checks.Side("width", SideOf(ros.width))
       .Side("height", SideOf(ros.height))
@@ -80,8 +87,8 @@ Result<cv::Mat> ViewOf(const RosImage& ros, int type) {
       .Require(!is_other, "step", ros.step,
                fmt::format("{}, or little more: are there more channels than in '{}'?", least,
                            RosText(ros.encoding)))
-      .Require(ros.data._length == uint64_t{ros.step} * ros.height, "data length", ros.data._length,
-               "step × height");
+      .Require(has_more ? ros.data._length >= bytes_needed : ros.data._length == bytes_needed,
+               "data length", ros.data._length, "step × height");
   if (!checks.ok()) return checks.error();
   const cv::Mat view(SideOf(ros.height), SideOf(ros.width), type, ros.data._buffer, ros.step);
   if (CV_ELEM_SIZE1(type) == 1 || (ros.is_bigendian != 0) == kIsBigEndian) return view;

@@ -83,6 +83,14 @@ TEST(FromRos, TurnsTheEncodingsOfStereoDrivers) {
   }
 }
 
+TEST(FromRos, OfPicturesWithColoursBelowThemTheGreyIsTaken) {
+  const Result<cv::Mat> image = FromRosImage(*Image("nv12", {2, 2}, 2, {1, 2, 3, 4, 128, 90}));
+  ASSERT_TRUE(image) << ErrorOf(image);
+  EXPECT_TRUE(SamePixels(*image, (cv::Mat1b(2, 2) << 1, 2, 3, 4)));
+  EXPECT_THAT(ErrorOf(FromRosImage(*Image("nv12", {2, 2}, 2, {1, 2, 3}))),
+              HasSubstr("data length = 3: allowed is step × height"));
+}
+
 TEST(FromRos, BayerPatternsBeginWithTheirFirstPixels) {
   // A red scene: only the red pixels of the pattern are bright.
   for (const auto& [name, red_u, red_v] :
@@ -111,14 +119,17 @@ TEST(FromRos, PicturesOf16BitsKeepThem) {
   ASSERT_TRUE(mosaic) << ErrorOf(mosaic);
   EXPECT_EQ(mosaic->type(), CV_16UC3);
   EXPECT_EQ(mosaic->at<cv::Vec3w>(4, 4), cv::Vec3w(0, 0, 1000));
+  const Result<cv::Mat> red = FromRosImage(*Image("rgb16", {1, 1}, 6, {232, 3, 0, 0, 1, 0}));
+  ASSERT_TRUE(red) << ErrorOf(red);
+  EXPECT_EQ(red->at<cv::Vec3w>(0, 0), cv::Vec3w(1, 0, 1000));
   const Result<cv::Mat> thermal = FromRosImage(*Image("16UC1", {8, 8}, 16, bytes));
   ASSERT_TRUE(thermal) << ErrorOf(thermal);
   EXPECT_EQ(thermal->at<uint16_t>(4, 4), 1000);
 }
 
 TEST(FromRos, RefusesImagesThatCannotBe) {
-  EXPECT_THAT(ErrorOf(FromRosImage(*Image("nv12", {1, 1}, 2, {1, 2}))),
-              HasSubstr("encoding = 'nv12': allowed is mono8, "));
+  EXPECT_THAT(ErrorOf(FromRosImage(*Image("rgba16", {1, 1}, 2, {1, 2}))),
+              HasSubstr("encoding = 'rgba16': allowed is mono8, "));
   EXPECT_THAT(ErrorOf(FromRosImage(*Image("yuv422", {1, 1}, 2, {1, 2}))),
               HasSubstr("width = 1: allowed with yuv422 are even ones"));
   EXPECT_THAT(ErrorOf(FromRosImage(*Image("mono8", {4, 1}, 3, {1, 2, 3}))),
