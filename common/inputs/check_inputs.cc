@@ -24,18 +24,22 @@ Findings NoneCanTell(const std::string& why) {
 }
 
 // How many times as far from the corner the principal point lies as the middle of the images, if
-// that is far in both directions alike, as in images that were resized; else 1.
+// that is far in both directions alike, as in images that were resized; else 1. Where cy is the
+// middle to the last digit nobody has said it: then cx alone counts, from farther on, as images may
+// be cropped.
 // @param camera  a RectifiedPair or a TofCamera.
 template <typename Camera>
 double TimesMiddle(const Camera& camera) {
   constexpr double kResized = 1.3;
+  constexpr double kFarCrop = 1.6;
   constexpr double kAlike = 1.15;
   const double columns = (2 * camera.cx + 1) / camera.width;
-  const double rows = (2 * camera.cy + 1) / camera.height;
+  const double down = (2 * camera.cy + 1) / camera.height;
+  const double rows = down == 1 ? columns : down;
   const auto is_beyond = [](double ratio, double most) { return ratio > most || ratio < 1 / most; };
   if (!(columns > 0 && rows > 0) || is_beyond(columns / rows, kAlike)) return 1;
   const double times = std::sqrt(columns * rows);
-  return is_beyond(times, kResized) ? times : 1;
+  return is_beyond(times, down == 1 ? kFarCrop : kResized) ? times : 1;
 }
 
 // What is hardly ever so of a calibration; empty: nothing.
@@ -56,8 +60,8 @@ std::string UnlikelyCalibration(const RectifiedPair& pair) {
   }
   if (const double times = TimesMiddle(pair); times != 1) {
     return fmt::format(
-        "the principal point ({:.1f}, {:.1f}) lies {:.2g} times as far right and "
-        "down as the middle of images of {}, and no range shows that f is right: is "
+        "the principal point ({:.1f}, {:.1f}) lies {:.2g} times as far from the "
+        "corner as the middle of images of {}, and no range shows that f is right: is "
         "the calibration of images of another size, about {:.0f}x{:.0f}?",
         pair.cx, pair.cy, times, SizeText(pair.size()), times * pair.width, times * pair.height);
   }
@@ -89,7 +93,8 @@ void SayResizedRanges(const Rig& rig, Findings& findings) {
   if (times == 1 || all_good || TimesMiddle(rig.pair) != 1) return;
   scale.verdict = Verdict::kBad;
   scale.text = fmt::format(
-      "the range sensor's principal point ({:.1f}, {:.1f}) lies {:.2g} times as far right and down "
+      "the range sensor's principal point ({:.1f}, {:.1f}) lies {:.2g} times as far from the "
+      "corner "
       "as the middle of its images of {}x{}: is its calibration of images of another size, about "
       "{:.0f}x{:.0f}?",
       rig.tof.cx, rig.tof.cy, times, rig.tof.width, rig.tof.height, times * rig.tof.width,

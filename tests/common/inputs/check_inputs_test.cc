@@ -141,8 +141,18 @@ TEST(CheckInputs, SeesACalibrationOfImagesOfAnotherSize) {
     const Finding finding = parts.Answer(Question::kScale);
     EXPECT_EQ(finding.verdict, times == 1.2 ? Verdict::kCannotTell : Verdict::kBad) << times;
     EXPECT_EQ(finding.text.find("another size") != std::string::npos, times != 1.2) << times;
-    pair.cy = 239.5;  // a crop may be anywhere
+    pair.cy = 239;  // a crop may be anywhere
     EXPECT_EQ(parts.Answer(Question::kScale).verdict, Verdict::kCannotTell) << times;
+  }
+  // Of a command line with --cx and without --cy.
+  for (const double times : {0.5, 1.4, 2.0}) {
+    Parts parts = SceneOf();
+    parts.tof = {};
+    parts.rig.pair.cx *= times;
+    parts.rig.pair.cy = 239.5;
+    EXPECT_EQ(parts.Answer(Question::kScale).verdict,
+              times == 1.4 ? Verdict::kCannotTell : Verdict::kBad)
+        << times;
   }
 }
 
