@@ -58,7 +58,20 @@ PairReader::PairReader(const RigOptions& options, const PixelOptions& pixels)
   }
 }
 
-Result<RectifiedPair> PairReader::PairOf(const cv::Mat& left) const {
+// One focal length is that of images of one size, or of crops of them; those of a data set may
+// differ by some columns.
+Result<void> PairReader::CheckFirstSize(cv::Size size) {
+  if (first_size_.empty()) first_size_ = size;
+  constexpr double kAlike = 1.1;
+  const auto are_alike = [](double a, double b) { return a < kAlike * b && b < kAlike * a; };
+  const double across = static_cast<double>(size.width) / first_size_.width;
+  const double down = static_cast<double>(size.height) / first_size_.height;
+  if (are_alike(across, 1) || !are_alike(across, down)) return {};
+  return Fail("the left image is " + SizeText(size) + ": allowed is the size of the first, " +
+              SizeText(first_size_) + ", as all have one --focal-px");
+}
+
+Result<RectifiedPair> PairReader::PairOf(const cv::Mat& left) {
   const cv::Size size = left.size();
   if (calibration_) {
     try {
@@ -67,6 +80,7 @@ Result<RectifiedPair> PairReader::PairOf(const cv::Mat& left) const {
       return Fail(e.what());
     }
   }
+  if (const Result<void> fits = CheckFirstSize(size); !fits) return tl::unexpected(fits.error());
   const double cx = options_.cx.value_or((size.width - 1) / 2.0);
   return RectifiedPair{.width = size.width,
                        .height = size.height,

@@ -62,7 +62,8 @@ class PairReader {
 
   Result<CameraImage> ReadView(const std::filesystem::path& path, int64_t number, OpenVideo& video);
   Result<void> Rectify(Frame& frame) const;
-  Result<RectifiedPair> PairOf(const cv::Mat& left) const;
+  Result<void> CheckFirstSize(cv::Size size);
+  Result<RectifiedPair> PairOf(const cv::Mat& left);
   void NoteOblong(cv::Size tof, cv::Size left);
   Result<void> Calibrate(Frame& frame);
 
@@ -70,6 +71,7 @@ class PairReader {
   EightBits eight_bits_;
   std::string note_;  // see TakeNote()
   bool noted_oblong_ = false;
+  cv::Size first_size_;  // of left images that have the focal length of the options
   std::optional<double> tof_unit_m_;
   scenes::PairCalibration calibration_;  // of options_.calib_file
   OpenVideo left_video_, right_video_;

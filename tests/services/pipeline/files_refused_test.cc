@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <opencv2/imgproc.hpp>
 #include <string>
 
 #include "common/core/input_files.h"
@@ -132,6 +133,24 @@ TEST_F(Files, WhoseContentCannotBeUsedGetOneLine) {
     EXPECT_FALSE(fs::exists(folder_ / "out")) << "an empty folder is left";
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   }
+}
+
+// One focal length is given.
+TEST_F(Files, OfAnotherSizeThanTheFirstAreLeftOut) {
+  cv::Mat half_left, half_right;
+  cv::resize(scene_.left, half_left, {}, 0.5, 0.5);
+  cv::resize(scene_.right, half_right, {}, 0.5, 0.5);
+  Write("l/1.png", scene_.left);
+  Write("l/2.png", half_left);
+  Write("r/1.png", scene_.right);
+  Write("r/2.png", half_right);
+  options_.left = folder_ / "l";
+  options_.right = folder_ / "r";
+  const MainOutcome outcome = RunToEnd(options_);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("2.png: the left image is 80x60: allowed is the size of the "
+                                     "first, 160x120, as all have one --focal-px"));
+  EXPECT_FALSE(fs::exists(folder_ / "out" / "2"));
 }
 
 TEST_F(Files, InWhichNothingIsFoundAreWrong) {
