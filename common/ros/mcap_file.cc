@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -97,10 +98,11 @@ bool IsMessage(const McapStretch& stretch, uint64_t end) {
 
 void McapTrouble::Tell(const std::string& file, uint64_t offset, const std::string& what) {
   constexpr size_t kMost = 10;
+  std::string line =
+      (file.empty() ? "" : file + ": ") + "byte " + std::to_string(offset) + ": " + what;
+  if (std::ranges::find(lines, line) != lines.end()) return;  // what is read again
   ++count;
-  if (lines.size() >= kMost) return;
-  lines.push_back((file.empty() ? "" : file + ": ") + "byte " + std::to_string(offset) + ": " +
-                  what);
+  if (lines.size() < kMost) lines.push_back(std::move(line));
 }
 
 // Head of a record: opcode and length, and the first bytes of its content.
@@ -282,7 +284,7 @@ void McapFile::TakeOther(uint64_t offset, const McapRecord& record) {
 // order.
 void McapFile::ReadAllChannels() {
   if (std::exchange(has_read_all_channels_, true)) return;
-  McapTrouble untold;  // it is told when the messages are read
+  McapTrouble untold;  // it is told when the messages are read, which nobody does without channels
   McapTrouble* const told = std::exchange(trouble_, &untold);
   for (const McapStretch& stretch : stretches_) {
     if (!stretch.is_chunk) continue;
@@ -294,6 +296,9 @@ void McapFile::ReadAllChannels() {
     }
   }
   trouble_ = told;
+  if (!channels_.empty()) return;
+  told->count += untold.count;
+  std::ranges::copy(untold.lines, std::back_inserter(told->lines));
 }
 
 const McapChannel* McapFile::FindChannel(uint16_t id) {

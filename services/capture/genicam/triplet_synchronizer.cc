@@ -49,6 +49,8 @@ std::string JoinTrouble(const TofJoins& joins, const TripletConfig& config,
     if (std::abs(distance_ms) > kOtherClockMs) {
       text += "; is that another clock, or are there no stamps?";
     }
+  } else if (joins.joined == 0) {
+    text += ": all came before or after the images; allowed is one clock of all recordings";
   }
   return text;
 }

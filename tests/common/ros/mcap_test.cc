@@ -158,6 +158,8 @@ TEST_F(McapTest, GoesOnBehindAChunkThatIsDamaged) {
     const Content torn = ReadMcap(folder_ / "damaged");
     EXPECT_THAT(torn.messages, IsEmpty());
     EXPECT_THAT(torn.trouble, testing::Contains(HasSubstr("chunk")));
+    // Whoever misses a topic asks before any message is read.
+    EXPECT_THAT(McapReader({folder_ / "damaged"}).trouble(), testing::Contains(HasSubstr("chunk")));
   }
   Bytes file = MakeMcap(folder_);
   const auto borders = Borders(file);

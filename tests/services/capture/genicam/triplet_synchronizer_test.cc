@@ -208,6 +208,17 @@ TEST(JoinTrouble, NamesAnotherClockWhicheverIsBehind) {
   }
 }
 
+// Two recordings that are played in the order of clocks that are hours apart.
+TEST(JoinTrouble, SaysThatAllCameAfterThePairs) {
+  TripletSynchronizer former({.max_spread_us = 20'000, .has_tof = true});
+  former.Push(RigPlace::kLeft, At(kStart));
+  former.Push(RigPlace::kRight, At(kStart));
+  EXPECT_EQ(All(former, kStart + 6 * kPeriod).size(), 1U);
+  former.Push(RigPlace::kTof, At(kStart));
+  EXPECT_THAT(JoinTrouble(former.tof_joins(), former.config(), "/points", /*at_end=*/true),
+              HasSubstr("none the last 1: all came before or after the images; allowed is one "));
+}
+
 TEST(JoinTrouble, SaysThatNoneCame) {
   EXPECT_EQ(TroubleOf(0, /*tof_comes=*/false),
             "no range image came with 20 pairs: does /points send any?");
