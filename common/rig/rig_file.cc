@@ -58,11 +58,14 @@ Pose PoseOf(const std::string& name, const RigPose& message) {
   return pose;
 }
 
-// Whether a text looks like a calibration of OpenCV, ROS or Kalibr.
+// Whether a text looks like a calibration of another program: XML, JSON, an .ini, an archive, or
+// with names as OpenCV, ROS, Kalibr, EuRoC, COLMAP, Middlebury or KITTI have.
 bool IsOfOthers(std::string_view text) {
-  const auto has = [&](std::string_view what) { return text.find(what) != std::string_view::npos; };
-  return text.starts_with("%YAML") || text.starts_with("<?xml") || has("!!opencv-matrix") ||
-         has("camera_matrix:") || has("cam0:");
+  constexpr std::string_view kBegins[] = {"%YAML", "<?xml", "{", "[", "PK"};
+  constexpr std::string_view kNames[] = {"!!opencv-matrix", "camera_matrix:", "cam0:", "T_BS:",
+                                         "CAMERA_ID,",      "cam0=[",         "P0: ",  "P_rect_"};
+  return std::ranges::any_of(kBegins, [&](auto begin) { return text.starts_with(begin); }) ||
+         std::ranges::any_of(kNames, [&](auto name) { return text.find(name) != text.npos; });
 }
 
 void RequireOk(const Checks& checks) {
@@ -155,7 +158,7 @@ RigDescription LoadRigFile(const fs::path& path) {
   if (const Result<std::string> text = ReadText(path); text && IsOfOthers(*text)) {
     throw ConfigError("rig file " + path.string() +
                       ": the calibration of another program; sprout-calibrate import makes a rig "
-                      "file of it");
+                      "file of it, or says what to do");
   }
   ParseTextFile(path, "rig file", "a file as sprout-calibrate writes it", rig);
   RequireInRange(rig, "rig file " + path.string() + ": rig");

@@ -151,7 +151,8 @@ TEST_F(RigFile, MayBeginWithAByteOrderMark) {
 TEST_F(RigFile, OfAnotherProgramSaysWhatMakesOneOfIt) {
   for (const char* text :
        {"%YAML:1.0\n---\nM1: 3\n", "<?xml version=\"1.0\"?>\n", "image_width: 3\ncamera_matrix:\n",
-        "cam0:\n  camera_model: pinhole\n"}) {
+        "cam0:\n  camera_model: pinhole\n", "sensor_type: camera\nT_BS:\n  cols: 4\n",
+        "[LEFT_CAM_HD]\nfx=700\n", "{\"ppx\": 320}", "cam0=[700 0 320; 0 700 240; 0 0 1]\n"}) {
     Write(text);
     EXPECT_THAT(Error(), HasSubstr("the calibration of another program; sprout-calibrate import"));
   }
