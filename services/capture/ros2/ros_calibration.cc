@@ -1,9 +1,12 @@
 #include "services/capture/ros2/ros_calibration.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "common/core/printable.h"
+#include "common/geometry/lens.h"
 #include "common/rig/raw_rig.h"
 #include "common/scenes/tof_grid.h"
 
@@ -50,6 +53,26 @@ bool AreEqual(const RosRig& a, RosRig b) {
   turn_b = turn_a;
   place_b = a.rig.tof.left_from_tof_translation_m;
   return is_tof_there && are_points_there && RigId(a.rig) == RigId(b.rig);
+}
+
+// By how many pixels what a camera sees is moved at most when its image is rectified, by D and R,
+// within its middle; 0: its lens is not known.
+double MovedPx(const RosCamera& camera) {
+  if (!camera.lens) return 0;
+  Lens straight = *camera.lens;
+  straight.distortion = {};
+  double most = 0;
+  for (const double across : {0.25, 0.5, 0.75}) {
+    for (const double down : {0.25, 0.5, 0.75}) {
+      const Eigen::Vector2d pixel(across * camera.width, down * camera.height);
+      const Eigen::Vector2d seen = DirectionOfPixel(straight, pixel);
+      const Eigen::Vector3d ray = camera.rectification.transpose() * seen.homogeneous();
+      if (ray.z() <= 0) continue;
+      const Eigen::Vector2d raw = PixelOfDirection(*camera.lens, ray.hnormalized());
+      most = std::max(most, (raw - pixel).norm());
+    }
+  }
+  return most;
 }
 
 }  // namespace
@@ -148,6 +171,19 @@ std::string RosCalibration::OtherFrame(const RosBytes& message) const {
   return "range images of " + settings_.depth + " are of frame '" + Printable(frame) +
          "', and their CameraInfo " + settings_.depth_info + " of '" + Printable(depth_->frame) +
          "', whose place is taken";
+}
+
+std::string RosCalibration::RawImages() const {
+  constexpr double kLeastPx = 1;  // less is rounding
+  const double moved_px = std::max(MovedPx(left_->camera), MovedPx(right_->camera));
+  if (moved_px < kLeastPx || (SaysRectified(settings_.left) && SaysRectified(settings_.right))) {
+    return "";
+  }
+  return fmt::format(
+      "images of {} and {} are taken for rectified, but D and R of their CameraInfo move pixels by "
+      "up to {:.1f} px; if they are raw, give the topics of rectified ones, or rig=FILE with what "
+      "sprout-calibrate import makes of both CameraInfo",
+      settings_.left, settings_.right, moved_px);
 }
 
 // Pose of a frame in the root frame, the one that has no parent.

@@ -49,6 +49,10 @@ class RosCalibration {
   /// empty: nothing. O(1) where the frames are equal.
   std::string OtherFrame(const RosBytes& message) const;
 
+  /// What to say of images that are taken for rectified, though neither their topic's name nor
+  /// their CameraInfo, which moves pixels, says so; empty: nothing. @pre nothing is missing.
+  std::string RawImages() const;
+
   /// Stamp of the newest CameraInfo that changed something, µs.
   int64_t changed_utime() const { return changed_utime_; }
 

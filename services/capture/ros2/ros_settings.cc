@@ -155,13 +155,15 @@ std::vector<std::string> RosSettings::TopicsOf(RosRole role) const {
   return topic.empty() ? TransformTopics(left) : std::vector{topic};
 }
 
-bool RosSettings::DepthIsRectified() const {
-  if (depth_info == left_info || depth_info == right_info) return true;
-  std::string image = depth;
+bool SaysRectified(std::string image) {
   for (const std::string_view transport : {kCompressed, kCompressedDepth}) {
     if (image.ends_with(transport)) image.resize(image.size() - transport.size());
   }
   return image.find("rect", image.rfind('/')) != std::string::npos;
+}
+
+bool RosSettings::DepthIsRectified() const {
+  return depth_info == left_info || depth_info == right_info || SaysRectified(depth);
 }
 
 std::vector<const RosType*> TypesOf(RosRole role) {

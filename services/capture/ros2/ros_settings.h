@@ -41,6 +41,9 @@ struct RosSettings {
   bool DepthIsRectified() const;
 };
 
+/// Whether the last name of a topic of images says that they are rectified: "image_rect_color".
+bool SaysRectified(std::string image);
+
 /// Where transforms may be that belong to a topic: /tf_static and /tf, as they are and in each
 /// namespace of the topic.
 std::vector<std::string> TransformTopics(const std::string& topic);

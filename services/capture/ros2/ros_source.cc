@@ -255,7 +255,9 @@ std::optional<FoundRig> FindCalibration(const RosOpener& opener, RosInput& input
   }
   Result<RosRig> rig = calibration.Rig();
   if (!rig) throw opener.Bad(rig.error().text);
-  if (const std::string note = input.Note(); !note.empty()) opener.Tell(note);
+  for (const std::string& note : {input.Note(), calibration.RawImages()}) {
+    if (!note.empty()) opener.Tell(note);
+  }
   return FoundRig{std::move(calibration), std::move(*rig)};
 }
 

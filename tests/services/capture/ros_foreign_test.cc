@@ -254,6 +254,32 @@ TEST(RosForeign, SaysThatNoPointOfACloudIsInTheImage) {
               HasSubstr("image, 1 are not finite or beyond 1000 m (in mm?); allowed are m"));
 }
 
+// Raw images, given in the place of rectified ones, by drivers that name them so.
+TEST(RosForeign, ImagesThatTheirCameraInfoWouldRectifyAreNamed) {
+  for (const bool says_rect : {false, true}) {
+    const std::string name = says_rect ? "image_rect_color" : "image_raw";
+    RosRecording file;
+    const RectifiedPair pair = examples::Rig().pair;
+    auto left = ToRosLeftInfo({kStart, "left"}, pair);
+    ResizeRos(left->d, 5)[0] = -0.3;  // k1
+    file.Add("/left/camera_info", left);
+    file.Add("/right/camera_info", ToRosRightInfo({kStart, "right"}, pair));
+    file.AddImage("/left/" + name, kStart, Grey(1));
+    file.AddImage("/right/" + name, kStart, Grey(1));
+    file.Finish();
+    const auto opened =
+        OpenAll("mcap:" + file.path() + "?left=/left/" + name + "&right=/right/" + name);
+    EXPECT_EQ(opened.frames.size(), 1U);
+    if (says_rect) {
+      EXPECT_THAT(opened.told, testing::IsEmpty());
+    } else {
+      EXPECT_THAT(opened.told,
+                  testing::ElementsAre(HasSubstr("images of /left/image_raw and /right/image_raw "
+                                                 "are taken for rectified, but D and R of")));
+    }
+  }
+}
+
 // A range image that was registered to a camera of the pair has its camera_info, and stands there.
 TEST(RosForeign, ARangeImageMayHaveTheCameraInfoOfAnImage) {
   const RectifiedPair pair = examples::Rig().pair;
