@@ -217,7 +217,8 @@ VideoTimes TimesOf(const std::string& what, const std::string& path) {
 void RequireDifferent(const std::string& left, const std::string& right) {
   std::error_code none;
   if (left != right && !fs::equivalent(left, right, none)) return;
-  throw ConfigError("LEFT and RIGHT: both are " + left + "; allowed: one of each camera");
+  throw ConfigError("LEFT and RIGHT: both are " + left +
+                    "; allowed: one of each camera, of views side by side its half");
 }
 
 ImagePairs ListVideoPairs(const std::string& left, const std::string& right,
