@@ -31,13 +31,16 @@ bool IsImage(const fs::path& file) {
   return std::ranges::find(kExtensions, extension) != kExtensions.end();
 }
 
-// The NAME of left_NAME.png or leftNAME.png, with the line; nothing when it is none of these.
+bool HasLine(const std::string& name) { return name.starts_with('_') || name.starts_with('-'); }
+
+// The NAME of left_NAME.png, left-NAME.png or left1.png, with the line; nothing when it is none of
+// these.
 std::optional<std::string> NameOf(const fs::path& file, std::string_view prefix) {
   const std::string stem = file.stem().string();
   if (!IsImage(file) || !stem.starts_with(prefix)) return std::nullopt;
   const std::string name = stem.substr(prefix.size());
-  const bool is_name = name.starts_with('_') ||
-                       (!name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) != 0);
+  const bool is_name =
+      HasLine(name) || (!name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) != 0);
   return is_name ? std::optional(name) : std::nullopt;
 }
 
@@ -62,7 +65,7 @@ cv::Mat1f ReadAmplitude(const fs::path& file) {
 }
 
 TofImage ReadTof(const std::vector<fs::path>& files, const std::string& name) {
-  const std::string tof_name = name.starts_with('_') ? name : "_" + name;
+  const std::string tof_name = HasLine(name) ? name : "_" + name;
   const fs::path amplitude = FileOf(files, "tof_amplitude" + tof_name);
   const fs::path depth = FileOf(files, "tof_depth" + tof_name);
   if (amplitude.empty() && depth.empty()) return {};
@@ -78,11 +81,22 @@ TofImage ReadTof(const std::vector<fs::path>& files, const std::string& name) {
   return tof;
 }
 
-// The images called "PREFIX_NAME" or "PREFIX1".
-std::vector<std::string> FilesOf(const std::vector<fs::path>& files, std::string_view prefix) {
+std::vector<fs::path> FilesIn(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
+  std::ranges::sort(files);
+  return files;
+}
+
+// The images called "PREFIX_NAME" or "PREFIX1"; where there are none, those in a folder PREFIX.
+std::vector<std::string> FilesOf(const fs::path& folder, std::string_view prefix) {
   std::vector<std::string> found;
-  for (const fs::path& file : files) {
+  for (const fs::path& file : FilesIn(folder)) {
     if (NameOf(file, prefix)) found.push_back(file);
+  }
+  if (!found.empty() || !fs::is_directory(folder / prefix)) return found;
+  for (const fs::path& file : FilesIn(folder / prefix)) {
+    if (IsImage(file)) found.push_back(file);
   }
   return found;
 }
@@ -106,15 +120,14 @@ std::vector<std::string> NotesOf(const fs::path& folder, const PairedNames& pair
 
 std::vector<std::string> ReadImageFolder(const std::filesystem::path& folder, int bits,
                                          const std::function<void(const RigImages&)>& visit) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
-  std::ranges::sort(files);
-  const std::vector<std::string> lefts = FilesOf(files, "left");
-  const std::vector<std::string> rights = FilesOf(files, "right");
+  const std::vector<fs::path> files = FilesIn(folder);
+  const std::vector<std::string> lefts = FilesOf(folder, "left");
+  const std::vector<std::string> rights = FilesOf(folder, "right");
   if (lefts.empty() || rights.empty()) {
-    throw ConfigError(
-        folder.string() +
-        ": no left_NAME.png with a right_NAME.png in it, nor left1.png with right1.png");
+    throw ConfigError(folder.string() +
+                      ": no left_NAME.png with a right_NAME.png in it, nor left1.png with "
+                      "right1.png, nor folders "
+                      "left and right with images");
   }
   const PairedNames paired = Required(PairNames(lefts, rights), folder.string() + ": ");
   std::vector<std::string> notes = NotesOf(folder, paired, lefts, rights);
@@ -126,9 +139,10 @@ std::vector<std::string> ReadImageFolder(const std::filesystem::path& folder, in
     if (std::string note = eight_bits.TakeNote(); !note.empty()) {
       notes.push_back(lefts[first] + ": " + note);
     }
+    const auto name = NameOf(lefts[first], "left");
     visit({.left = ToGrey(left.pixels),
            .right = ToGrey(right.pixels),
-           .tof = ReadTof(files, *NameOf(lefts[first], "left"))});
+           .tof = name ? ReadTof(files, *name) : TofImage()});
   }
   return notes;
 }

@@ -169,6 +169,28 @@ TEST_F(CalibrateProgram, TakesFoldersOfImages) {
   EXPECT_THAT(without.err, HasSubstr("left_3.png: has no right image"));
 }
 
+// As ROS's camera_calibration saves them, and as many a program does.
+TEST_F(CalibrateProgram, TakesImagesWithALineOrInFoldersOfTheirCameras) {
+  for (const char* behind : {"-000", "/"}) {
+    const TemporaryDirectory folder;
+    for (const std::string side : {"left", "right"}) {
+      std::filesystem::create_directories(folder / side);
+      const uchar grey = side == "left" ? 10 : 20;
+      for (const int i : {0, 1}) {
+        cv::imwrite(folder / (side + behind + std::to_string(i) + ".png"),
+                    cv::Mat1b(4, 6, static_cast<uchar>(grey + i)));
+      }
+    }
+    std::vector<int> greys;
+    const auto notes = ReadImageFolder(folder / "", 0, [&](const RigImages& images) {
+      for (const cv::Mat& side : {images.left, images.right}) greys.push_back(side.at<uchar>(0, 0));
+      EXPECT_TRUE(images.tof.depth_m.empty());
+    });
+    EXPECT_THAT(greys, testing::ElementsAre(10, 20, 11, 21)) << behind;
+    EXPECT_THAT(notes, testing::IsEmpty());
+  }
+}
+
 TEST_F(CalibrateProgram, SeesTheBoardInImagesWhosePixelsUse10Of16Bits) {
   const std::vector<Pose> poses = BoardPoses(board_, 8);
   for (uint32_t i = 0; i < poses.size(); ++i) {
