@@ -150,6 +150,50 @@ void RangeCurve::Stiffen(std::span<const RangeNode> nodes, const RectifiedPair& 
   std::vector<RangeKnot> bent = knots_;
   FindPath(bins, {.moved = 0, .per_px = 0, .step = RangeRules::kStiffStep});
   if (GainInSigmas(nodes, pair) < bent_sigmas - RangeRules::kBentSigmas) knots_ = std::move(bent);
+  TryScale(nodes, pair);
+}
+
+// The constant error (power 0), or the part of the depth (power 1), that the nodes prefer.
+double RangeCurve::BestFactor(std::span<const RangeNode> nodes, const RectifiedPair& pair,
+                              int power) const {
+  const double near_m = power == 0 ? voters_[voters_.size() / 10].depth_m : 1;
+  const double step = RangeRules::kFactorStep * near_m;
+  const auto cost_of = [&](double factor) {
+    double cost = 0;
+    for (const Voter& voter : voters_) {
+      const double error_m = power == 0 ? factor : factor * voter.depth_m;
+      const RangeNode& node = nodes[voter.node];
+      cost += node.distinctness * VoteAt(node, OffsetOfError(pair, voter.depth_m, error_m));
+    }
+    return cost;
+  };
+  double best = 0;
+  double least = cost_of(0);
+  const auto try_factor = [&](double factor) {
+    const double cost = cost_of(factor);
+    if (cost >= least) return;
+    best = factor;
+    least = cost;
+  };
+  constexpr int kSteps = static_cast<int>(RangeRules::kMostOfDepth / RangeRules::kFactorStep);
+  for (int k = -kSteps; k <= kSteps; ++k) try_factor(k * step);
+  const double middle = best;
+  for (const double part : {-0.5, -0.25, 0.25, 0.5}) try_factor(middle + part * step);
+  return best;
+}
+
+// A focal length or baseline that is wrong makes an error in proportion to the depth. Of that the
+// candidates show the near knots only, and prices a constant.
+void RangeCurve::TryScale(std::span<const RangeNode> nodes, const RectifiedPair& pair) {
+  const double constant_m = BestFactor(nodes, pair, 0);
+  const double part = BestFactor(nodes, pair, 1);
+  const auto scaled = [&](double depth_m) { return part * depth_m; };
+  const auto is_worse_than = [&](const auto& error_at) {
+    return GainInSigmas(nodes, pair, scaled, error_at) < -RangeRules::kOtherSigmas;
+  };
+  if (is_worse_than([&](double) { return constant_m; })) return;
+  if (is_worse_than([&](double depth_m) { return At(depth_m).error_m; })) return;
+  for (RangeKnot& knot : knots_) knot.error_m = scaled(knot.depth_m);
 }
 
 // A knot with next to no texture is drawn to 0 by its prices; if they weigh as little as its votes,
@@ -170,23 +214,27 @@ void RangeCurve::FollowNeighbours(std::span<const Bin> bins) {
   }
 }
 
-// By how many standard deviations the nodes prefer the errors (m) at their depths to no error. With
+// By how many standard deviations the nodes prefer the errors (m) at their depths to others. With
 // the weights of the votes, few nodes would decide.
-template <typename ErrorAt>
+template <typename ErrorAt, typename OtherAt>
 double RangeCurve::GainInSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair,
-                                const ErrorAt& error_at) const {
+                                const ErrorAt& error_at, const OtherAt& other_at) const {
   BlockSums gains(blocks_);
   for (const Voter& voter : voters_) {
     const RangeNode& node = nodes[voter.node];
-    const double off = OffsetOfError(pair, voter.depth_m, error_at(voter.depth_m));
-    gains.Add(node, node.distinctness * (VoteAt(node, 0) - VoteAt(node, off)));
+    const auto vote = [&](double error_m) {
+      return VoteAt(node, OffsetOfError(pair, voter.depth_m, error_m));
+    };
+    gains.Add(node,
+              node.distinctness * (vote(other_at(voter.depth_m)) - vote(error_at(voter.depth_m))));
   }
   const double sigma = gains.Sigma();
   return sigma > 0 ? gains.Total() / sigma : 0;
 }
 
 double RangeCurve::GainInSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair) const {
-  return GainInSigmas(nodes, pair, [&](double depth_m) { return At(depth_m).error_m; });
+  const auto error_at = [&](double depth_m) { return At(depth_m).error_m; };
+  return GainInSigmas(nodes, pair, error_at, [](double) { return 0.0; });
 }
 
 bool RangeCurve::IsShownRight(std::span<const RangeNode> nodes, const RectifiedPair& pair,
@@ -196,7 +244,9 @@ bool RangeCurve::IsShownRight(std::span<const RangeNode> nodes, const RectifiedP
   const double most_px = pair.focal_px * pair.baseline_m / (near_m * near_m) * error_m;
   if (most_px < RangeRules::kUnsurePx) return true;
   return std::ranges::all_of(std::array{error_m, -error_m}, [&](double off_m) {
-    return GainInSigmas(nodes, pair, [&](double) { return off_m; }) < -RangeRules::kRightSigmas;
+    return GainInSigmas(
+               nodes, pair, [&](double) { return off_m; }, [](double) { return 0.0; }) <
+           -RangeRules::kRightSigmas;
   });
 }
 

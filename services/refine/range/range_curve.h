@@ -52,11 +52,13 @@ class RangeCurve {
   void FindPath(std::span<const Bin> bins, const Prices& prices);
   void Stiffen(std::span<const RangeNode> nodes, const RectifiedPair& pair,
                std::span<const Bin> bins);
+  double BestFactor(std::span<const RangeNode> nodes, const RectifiedPair& pair, int power) const;
+  void TryScale(std::span<const RangeNode> nodes, const RectifiedPair& pair);
   void FollowNeighbours(std::span<const Bin> bins);
   double GainInSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair) const;
-  template <typename ErrorAt>
+  template <typename ErrorAt, typename OtherAt>
   double GainInSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair,
-                      const ErrorAt& error_at) const;
+                      const ErrorAt& error_at, const OtherAt& other_at) const;
   void SetSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair,
                  std::span<const Bin> bins);
   RangeKnot At(double depth_m) const;

@@ -50,6 +50,11 @@ struct RangeRules {
   /// +0.5 m 18.99, not 18.77 (NOTES.md).
   static constexpr double kStiffStep = 4 * kCurveStep;
   static constexpr double kBentSigmas = 0.4;
+  /// And errors that are a part of the depth, in such steps, unless a constant or the curve is
+  /// better by so many standard deviations: of +0.2 and +1 m a constant is by 2.8 and more, of
+  /// ranges that are 5 and 10 % long or short in two thirds of the frames by less, or it is worse.
+  static constexpr double kFactorStep = 0.005;
+  static constexpr double kOtherSigmas = 2.5;
   /// How far from a knot that has texture, m of depth, one that has not still follows it a little.
   /// With 0 a white wall keeps an error of 20 mm that all else shows, without end it gets one that
   /// it has not (NOTES.md).

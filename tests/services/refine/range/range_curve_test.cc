@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -24,9 +25,9 @@ void SetCosts(double least_px, double depth, RangeNode& node) {
   node.distinctness = DistinctnessOf(node.costs);
 }
 
-// Nodes of a scan from 5 to 50 m whose depths are all too large by error_m. Near ones show it
+// Nodes of a scan from 5 to 50 m whose depths are too large by error_m of them. Near ones show it
 // clearly; far ones, where it is a part of a px, have little texture and disagree.
-std::vector<RangeNode> NodesOffBy(double error_m) {
+std::vector<RangeNode> NodesOffBy(const std::function<double(double)>& error_m) {
   constexpr int kNodes = 900;
   cv::RNG random(3);
   std::vector<RangeNode> nodes(kNodes);
@@ -35,7 +36,7 @@ std::vector<RangeNode> NodesOffBy(double error_m) {
     node.cell = {i % 30, i / 30};
     const double depth_m = 5 * std::pow(10, double{random.uniform(0.0F, 1.0F)});
     node.disparity = kPair.DisparityFromDepth(depth_m);
-    const double off_px = kPair.DisparityFromDepth(depth_m - error_m) - node.disparity;
+    const double off_px = kPair.DisparityFromDepth(depth_m - error_m(depth_m)) - node.disparity;
     const double least = off_px + random.gaussian(depth_m > 10 ? 1.0 : 0.3);
     const double depth = depth_m > 10 ? 0.25 : 0.7;
     SetCosts(least, depth, node);
@@ -54,7 +55,7 @@ double WorstOf(const RangeCurve& curve, double error_m) {
 
 TEST(RangeCurve, OfALidarIsDrawnNeitherToZeroNorFromKnotToKnot) {
   constexpr double kErrorM = 0.3;
-  const std::vector<RangeNode> nodes = NodesOffBy(kErrorM);
+  const std::vector<RangeNode> nodes = NodesOffBy([](double) { return kErrorM; });
   RangeCurve bent;
   bent.Estimate(nodes, kPair, /*stiff=*/false);
   RangeCurve stiff;
@@ -63,6 +64,17 @@ TEST(RangeCurve, OfALidarIsDrawnNeitherToZeroNorFromKnotToKnot) {
   ASSERT_FALSE(stiff.is_zero());
   EXPECT_GT(WorstOf(bent, kErrorM), 0.12);
   EXPECT_LT(WorstOf(stiff, kErrorM), 0.06);
+}
+
+// As with a focal length that is 8 % too long: at the far knots that is more than the candidates
+// that near ones have.
+TEST(RangeCurve, OfALidarMayBeAPartOfTheDepth) {
+  RangeCurve curve;
+  curve.Estimate(NodesOffBy([](double depth_m) { return 0.08 * depth_m; }), kPair, /*stiff=*/true);
+  ASSERT_FALSE(curve.is_zero());
+  for (const RangeKnot& knot : curve.knots()) {
+    EXPECT_NEAR(knot.error_m, 0.08 * knot.depth_m, 0.005 * knot.depth_m);
+  }
 }
 
 // Nodes of a camera whose depths are all 20 mm too large: a textured scene of 1.4 to 1.8 m, and a
