@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "common/core/parallel.h"
@@ -124,26 +125,27 @@ double RangeBias::JudgeNodes() {
              : static_cast<double>(wrong) / static_cast<double>(judged);
 }
 
-// Whether the images match elsewhere at many of the nodes that they contradict. If not they do not
-// fit each other, as where one is out of focus or a few rows off.
-bool RangeBias::MatchesElsewhere(const RangeInput& input, std::span<const Seed> matches) const {
+// At which share of the nodes that the images contradict they match elsewhere. If at few, they do
+// not fit each other, as where one is out of focus or a few rows off.
+double RangeBias::MatchedElsewhere(const RangeInput& input, std::span<const Seed> matches) const {
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   const CellGrid grid(std::max(1.0, RangeRules::kMatchReach * input.left.cols), input.left.size());
-  cv::Mat1b matched(grid.size, uint8_t{0});
+  cv::Mat1f matched(grid.size, kNone);
   const double noise = RangeRules::kUnlikeVariance + nodes_.noise();
   for (const Seed& match : matches) {
     if (IsAlike(input.left, input.right, match, noise)) {
-      matched(grid.At(match.v), grid.At(match.u)) = 1;
+      matched(grid.At(match.v), grid.At(match.u)) = match.disparity();
     }
   }
   size_t contradicted = 0, elsewhere = 0;
   for (size_t i = 0; i < unlike_nodes_.size(); ++i) {
     if (unlike_nodes_[i] == 0) continue;
-    const cv::Point2d& at = nodes_.nodes()[i].at;
+    const RangeNode& node = nodes_.nodes()[i];
     ++contradicted;
-    elsewhere += matched(grid.At(at.y), grid.At(at.x));
+    const float disparity = matched(grid.At(node.at.y), grid.At(node.at.x));
+    elsewhere += std::abs(disparity - node.disparity) > RangeRules::kElsewherePx;
   }
-  return static_cast<double>(elsewhere) >
-         RangeRules::MatchedShare(error_.contradicted_share) * static_cast<double>(contradicted);
+  return contradicted == 0 ? 0 : static_cast<double>(elsewhere) / static_cast<double>(contradicted);
 }
 
 // Whether the curve moves nodes farther than columns of the pair may be off.
@@ -165,8 +167,11 @@ bool RangeBias::JudgePair(const RangeInput& input, const RangeSettings& settings
                         error_.contradicted_share > RangeRules::kDoubtfulShare;
   const PairFit fit = doubtful ? PairFitAt(input, nodes_) : PairFit{};
   const bool uneven = fit.uneven_gain > RangeRules::kUnevenGain;
-  const bool on_other_rows = uneven || fit.rows_gain > RangeRules::kRowsGain;
-  error_.columns_px = uneven ? fit.most_rows_px : 0;
+  // Where most nodes are contradicted they may also fit other rows by chance.
+  const bool on_other_rows =
+      (uneven || fit.rows_gain > RangeRules::kRowsGain) &&
+      !(many && MatchedElsewhere(input, settings.matches()) > RangeRules::kMatchedOnOwnRows);
+  error_.columns_px = on_other_rows && uneven ? fit.most_rows_px : 0;
   error_.rows_unfit = on_other_rows && !many && CurveIsBeyond(input.rig.pair, error_.columns_px);
   error_.pair_unfit = on_other_rows;
   if (!on_other_rows && (many || fit.cost > RangeRules::kPoorCost)) {
@@ -178,7 +183,8 @@ bool RangeBias::JudgePair(const RangeInput& input, const RangeSettings& settings
                     .image = input.left.size(),
                     .infinity_px = input.rig.pair.cx - input.rig.pair.cx_right},
                    matches);
-    error_.pair_unfit = error_.rows_shifted || !MatchesElsewhere(input, matches);
+    error_.pair_unfit =
+        error_.rows_shifted || MatchedElsewhere(input, matches) <= RangeRules::kMatchedShare;
   }
   error_.rejected = many && !error_.pair_unfit;
   if (error_.ShowsNothing()) error_.curve.clear();
@@ -340,11 +346,16 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
     }
     return error_;
   }
-  if (error_.absurd) {
-    contradicted_.assign(points.size(), 1);
+  if (error_.absurd) curve_ = {};  // a pair that fits nowhere has such curves by chance
+  const bool moves = FindField(input, settings, points);
+  if (error_.absurd && error_.pair_unfit) {
+    error_.absurd.reset();
+    error_.rows_unfit = false;
+    error_.curve.clear();
     return error_;
   }
-  if (!FindField(input, settings, points)) return error_;
+  if (error_.absurd) contradicted_.assign(points.size(), 1);
+  if (error_.absurd || !moves) return error_;
   MovePoints(input, settings, points);
   if (!curve_.is_zero()) error_.same_px = SamePx(pair, error_.curve);
   return error_;

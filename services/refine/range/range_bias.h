@@ -86,7 +86,7 @@ class RangeBias {
   bool CurveIsBeyond(const RectifiedPair& pair, double columns_px) const;
   bool JudgePair(const RangeInput& input, const RangeSettings& settings,
                  std::span<const ProjectedPoint> points);
-  bool MatchesElsewhere(const RangeInput& input, std::span<const Seed> matches) const;
+  double MatchedElsewhere(const RangeInput& input, std::span<const Seed> matches) const;
   std::vector<double> NodeMoves() const;
   bool MarkAsked();
   PointError ErrorOf(const TofSurface& surface, const ProjectedPoint& point) const;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 
 namespace sprout::refine {
@@ -131,25 +130,18 @@ struct RangeRules {
   /// If more nodes than this share are contradicted, no point is believed: right sensors have up to
   /// 0.19 (a scan of 16 beams), mirrored range images 0.27 and more.
   static constexpr double kRejectedShare = 0.22;
-  /// But only if stereo has a match that fits at this share of them, so near, in parts of the
-  /// picture's width: at 0.43 and more where ranges are mirrored, upside down or another scene's;
-  /// at 0.37 and less where the images are turned, striped, negative, of different focus or of
-  /// different scenes. Below kManyContradicted the images fit at the other nodes, and less is
-  /// asked, in proportion: in dull scenes 0.27 and more match elsewhere of 0.22 to 0.28 that are
-  /// contradicted, beside images of different focus 0.08 and less. So it is above kHardlyAnyFit,
-  /// down to half where all nodes are contradicted: of ranges in a wrong unit beside dull images
-  /// 0.24 and more match, beside striped images 0.20 of 0.92 that are contradicted, others 0.04 and
-  /// less.
-  static constexpr double kMatchedShare = 0.4;
-  static constexpr double kManyContradicted = 0.5;
-  static constexpr double kHardlyAnyFit = 0.6;
-  static double MatchedShare(double contradicted) {
-    if (contradicted <= kRejectedShare) return kMatchedShare;
-    const double of_many = contradicted / kManyContradicted;
-    const double of_all = 1 - (contradicted - kHardlyAnyFit) / (1 - kHardlyAnyFit) / 2;
-    return kMatchedShare * std::min({1.0, of_many, of_all});
-  }
+  /// But only if stereo has a match that fits, and is so many px off, at this share of them, so
+  /// near, in parts of the picture's width: at 0.38 and more where ranges are mirrored, upside down
+  /// or in a wrong unit, in dull scenes at 0.24 and more; at 0.20 and less where the images are
+  /// turned, striped, negative, of different focus or of different scenes. From 1 px on rows that
+  /// are off have up to 0.36, from 2 px on a mirrored flat scene 0.01.
+  static constexpr double kElsewherePx = 1.5;
+  static constexpr double kMatchedShare = 0.22;
   static constexpr double kMatchReach = 0.01;
+  /// Where so many do the rows do fit, whatever the nodes say: at 0.66 and more where they fit
+  /// other rows by chance, as one in ten of KITTI's frames does with ranges twice or 1000 times too
+  /// long; at 0.31 and less where rows are off.
+  static constexpr double kMatchedOnOwnRows = 0.45;
   /// Of frames with less signs of a wrong sensor it is asked, too, if nodes cost more than this in
   /// the mean: wrong sensors have up to 0.31, a blurred or covered camera 0.32 to 0.68.
   static constexpr double kPoorCost = 0.35;

@@ -51,8 +51,10 @@ double LeftOver(std::vector<PlaceOffset>& offsets, double PlaceOffset::*band_by,
 }
 
 bool ShiftsRows(std::vector<PlaceOffset> places) {
-  std::erase_if(
-      places, [](const PlaceOffset& place) { return !(place.weight > 0 && place.disparity > 0); });
+  // At infinity an offset of the rows is one of the depth, too.
+  std::erase_if(places, [](const PlaceOffset& place) {
+    return !(place.weight > 0 && place.disparity > RangeRules::kLeastShiftPx);
+  });
   if (places.size() < RangeRules::kFewestOfField) return false;
   const double all = LeftOver(places, &PlaceOffset::row, 1, 0);
   if (all < RangeRules::kLeastShiftPx) return false;

@@ -207,7 +207,8 @@ TEST(RangeBias, BelievesAGoodSensorBesideABadCamera) {
   }
 }
 
-// Rows that are off, the image of another scene, a camera out of focus: nothing fits anything.
+// Rows that are off, the image of another scene, a camera out of focus, one that loses rows: where
+// stereo matches it does so at the points.
 TEST(RangeBias, BelievesASensorThatTheImagesContradictNoMoreThanEachOther) {
   Wall wall;
   Wall rows;
@@ -217,7 +218,11 @@ TEST(RangeBias, BelievesASensorThatTheImagesContradictNoMoreThanEachOther) {
   cv::flip(other.right, other.right, 0);
   Wall blurred;
   cv::GaussianBlur(blurred.right, blurred.right, {}, 2);
-  for (const Wall* unfit : {&rows, &other, &blurred}) {
+  Wall striped;
+  for (int v = 0; v < kWallSize.height; ++v) {
+    if (v / 10 % 2 == 1) striped.right.row(v) = 128;
+  }
+  for (const Wall* unfit : {&rows, &other, &blurred, &striped}) {
     RefineConfig config;
     Refiner refiner(config);
     const auto set = refiner.Compute(unfit->left, unfit->right, unfit->tof, TofProjector(wall.rig));
@@ -229,14 +234,14 @@ TEST(RangeBias, BelievesASensorThatTheImagesContradictNoMoreThanEachOther) {
 }
 
 // Of a sensor that wraps beyond some column: whether all of it is refused, or the pair at fault,
-// where stereo matches in the upper third of the picture alone.
-RangeError WithFewMatches(int wraps_from) {
+// where stereo matches in that upper part of the picture alone.
+RangeError WithFewMatches(int wraps_from, double part) {
   Wall wall;
   wall.Measure([&](const cv::Point2d& at, double depth_m) {
     return at.x < wraps_from ? depth_m : 0.5 * depth_m;
   });
   std::vector<Seed> matches;
-  for (int v = 4; v < 0.35 * kWallSize.height; v += 5) {
+  for (int v = 4; v < part * kWallSize.height; v += 5) {
     for (int u = 45; u < kWallSize.width - 5; u += 5) {
       const auto right = static_cast<float>(u - TruthPx(u));
       matches.push_back({.u = static_cast<float>(u), .v = static_cast<float>(v), .u_right = right});
@@ -250,18 +255,20 @@ RangeError WithFewMatches(int wraps_from) {
       {.matches = [&] { return std::span<const Seed>(matches); }}, points);
 }
 
-TEST(RangeBias, AsksForFewMatchesWhereImagesFitAtMostPointsOrAtNone) {
-  const RangeError few = WithFewMatches(350);
+TEST(RangeBias, RefusesASensorIfStereoMatchesElsewhereInPartOfThePicture) {
+  const RangeError few = WithFewMatches(350, 0.35);
   EXPECT_NEAR(few.contradicted_share, 0.35, 0.05);
-  EXPECT_TRUE(few.rejected);
-  EXPECT_FALSE(few.pair_unfit);
-  const RangeError all = WithFewMatches(0);
+  const RangeError all = WithFewMatches(0, 0.35);
   EXPECT_GT(all.contradicted_share, 0.95);
-  EXPECT_TRUE(all.rejected);
-  const RangeError many = WithFewMatches(250);
-  EXPECT_GT(many.contradicted_share, 0.5);
-  EXPECT_FALSE(many.rejected);
-  EXPECT_TRUE(many.pair_unfit);
+  for (const RangeError& error : {few, all}) {
+    EXPECT_TRUE(error.rejected);
+    EXPECT_FALSE(error.pair_unfit);
+  }
+  for (const int wraps_from : {350, 0}) {
+    const RangeError error = WithFewMatches(wraps_from, 0.12);
+    EXPECT_FALSE(error.rejected);
+    EXPECT_TRUE(error.pair_unfit);
+  }
 }
 
 // The wall beside a right camera that is turned, and has another focal length.
@@ -345,6 +352,50 @@ TEST(RangeBias, BelievesNoPointIfRangesAreFartherOffThanASensorCanBe) {
         1 - 1 / 1.3, 0.06);
     EXPECT_EQ(set.contradicted, set.raw - set.outside);
   }
+}
+
+// Of a pair that matches nearly nowhere such a curve says nothing.
+TEST(RangeBias, BelievesPointsThatAreFarOffBesideAPairThatMatchesNowhere) {
+  Wall wall;
+  const cv::Rect other(0, 150, kWallSize.width, kWallSize.height - 150);
+  cv::flip(wall.right(other).clone(), wall.right(other), 0);
+  wall.Measure(
+      [&](const cv::Point2d& at, double depth_m) { return at.x < 150 ? 1.3 * depth_m : 0; });
+  int behind = 0;
+  const std::vector<ProjectedPoint> points = TofProjector(wall.rig).Project(wall.tof, behind);
+  std::vector<ProjectedPoint> kept = points;
+  const TofSurface surface(wall.rig, points);
+  const RangeError error = RangeBias().Apply(
+      {.left = wall.left, .right = wall.right, .rig = wall.rig, .surface = surface},
+      {.matches = [] { return std::span<const Seed>(); }}, kept);
+  EXPECT_TRUE(error.pair_unfit);
+  EXPECT_FALSE(error.Refuses());
+  for (size_t i = 0; i < points.size(); ++i) {
+    EXPECT_EQ(kept[i].seed.disparity(), points[i].seed.disparity());
+  }
+}
+
+// Texture that runs down to the right: four rows further up or down all is 16 px aside, where
+// these ranges expect it. Stereo matches on its own rows.
+TEST(RangeBias, BelievesThePairWhereWrongRangesFitOtherRows) {
+  Wall wall;
+  for (int v = 1; v < kWallSize.height; ++v) {
+    for (int u = 0; u < kWallSize.width; ++u) {
+      wall.left(v, u) =
+          wall.left(0, (u + kWallSize.width - 4 * v % kWallSize.width) % kWallSize.width);
+    }
+  }
+  wall.ShowOnTheRight();
+  const RectifiedPair& pair = wall.rig.pair;
+  wall.Measure([&](const cv::Point2d&, double depth_m) {
+    return pair.DepthFromDisparity(pair.DisparityFromDepth(depth_m) - 16);
+  });
+  RefineConfig config;
+  Refiner refiner(config);
+  const auto set = refiner.Compute(wall.left, wall.right, wall.tof, TofProjector(wall.rig));
+  EXPECT_TRUE(refiner.found().range_error.rejected);
+  EXPECT_FALSE(refiner.found().range_error.pair_unfit);
+  EXPECT_GT(ShareWithin(*set, 0.5), 0.9);
 }
 
 TEST(RangeBias, TakesTheDataSheetsErrorWhereImagesShowNothing) {

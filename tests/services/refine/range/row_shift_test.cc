@@ -49,5 +49,25 @@ TEST(RowShift, MovesPointsThatAreTooFarInTheLowerRows) {
   EXPECT_GT(ShareWithin(*set, 0.4), 0.8);
 }
 
+// Ranges in a wrong unit put all at infinity; the disparities of a floor are those of its rows.
+TEST(RowShift, IsNotToldFromPointsAtInfinity) {
+  cv::RNG random(1);
+  std::vector<ProjectedPoint> points;
+  std::vector<Seed> matches;
+  for (int v = 5; v < kWallSize.height; v += 5) {
+    for (int u = 5; u < kWallSize.width; u += 5) {
+      const Seed match{.u = static_cast<float>(u),
+                       .v = static_cast<float>(v),
+                       .u_right = static_cast<float>(u - 0.1 * v)};
+      matches.push_back(match);
+      points.push_back({.tof_u = u, .tof_v = v, .seed = match});
+      points.back().seed.u_right = match.u - match.disparity() * random.uniform(0.9F, 1.1F) / 1000;
+    }
+  }
+  EXPECT_FALSE(ShiftsRows(
+      {.raw = {}, .corrected = points, .spacing_px = {5, 5}, .image = kWallSize, .infinity_px = 0},
+      matches));
+}
+
 }  // namespace
 }  // namespace sprout::refine
