@@ -40,4 +40,11 @@ std::string SizeText(cv::Size size) {
   return std::to_string(size.width) + "x" + std::to_string(size.height);
 }
 
+Result<void> CheckImageSize(const std::string& what, cv::Size size, cv::Size calibrated) {
+  if (size == calibrated) return {};
+  return Fail(what + " of " + SizeText(size) + ": allowed is " +
+              (calibrated.empty() ? "none, the calibration has none"
+                                  : "the calibrated size " + SizeText(calibrated)));
+}
+
 }  // namespace sprout

@@ -4,6 +4,8 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "common/core/result.h"
+
 namespace sprout {
 
 /// Largest width and height of any image or map, px, and most pixels: as a map of 2 bytes a pixel
@@ -29,5 +31,10 @@ cv::Mat1b Halved(const cv::Mat1b& image);
 
 /// "640x480", for messages to people.
 std::string SizeText(cv::Size size);
+
+/// @returns an error when an image has another size than the calibrated one: "left image of 64x48:
+///          allowed is the calibrated size 640x480", of `what` "left image".
+/// @param calibrated  0×0: the calibration has no such camera.
+Result<void> CheckImageSize(const std::string& what, cv::Size size, cv::Size calibrated);
 
 }  // namespace sprout

@@ -90,10 +90,7 @@ Rig RigOfFrame(const Rig& rig, const TofImage& tof) {
 }
 
 Result<void> CheckTofSize(const Rig& rig, const TofImage& tof) {
-  const cv::Size calibrated(rig.tof.width, rig.tof.height);
-  if (tof.depth_m.size() == calibrated) return {};
-  return Fail("ToF image of " + SizeText(tof.depth_m.size()) + ": allowed is the calibrated size " +
-              SizeText(calibrated));
+  return CheckImageSize("ToF image", tof.depth_m.size(), {rig.tof.width, rig.tof.height});
 }
 
 TofProjector::TofProjector(const Rig& rig) : rig_(rig) {

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cassert>
 
+#include "common/core/image.h"
 #include "common/geometry/lens.h"
 
 namespace sprout {
@@ -31,6 +32,19 @@ BilinearRemap Rectifier::RemapOf(const Lens& lens, const cv::Matx33d& turn, doub
     }
   }
   return {map, lens.size()};
+}
+
+Result<void> Rectifier::Rectify(cv::Mat& left, cv::Mat& right, TofImage& tof) const {
+  Result<void> fits = CheckImageSize("left image", left.size(), raw_.left.size());
+  if (fits) fits = CheckImageSize("right image", right.size(), raw_.right.size());
+  if (fits && !tof.depth_m.empty()) {
+    fits = CheckImageSize("ToF image", tof.depth_m.size(), raw_.tof.size());
+  }
+  if (!fits) return fits;
+  left = RectifyLeft(left);
+  right = RectifyRight(right);
+  CorrectRanges(tof);
+  return {};
 }
 
 void Rectifier::CorrectRanges(TofImage& tof) const {

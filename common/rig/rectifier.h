@@ -2,6 +2,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "common/core/result.h"
 #include "common/core/rig.h"
 #include "common/core/tof_image.h"
 #include "common/rig/bilinear_remap.h"
@@ -30,6 +31,12 @@ class Rectifier {
   /// @param image  8UC1 or 8UC3, of the calibrated size.
   cv::Mat RectifyLeft(const cv::Mat& image) const { return left_.Apply(image); }
   cv::Mat RectifyRight(const cv::Mat& image) const { return right_.Apply(image); }
+
+  /// Rectifies both images of a capture and corrects its ranges, in place.
+  /// @param tof  0×0: there is none.
+  /// @returns an error that names the first of the three that has another size than the calibrated
+  ///          one; then all stay as they are.
+  Result<void> Rectify(cv::Mat& left, cv::Mat& right, TofImage& tof) const;
 
   /// Depths without the bias of the range; pixels without a return stay as they are.
   /// @param tof  of the calibrated size, or 0×0.

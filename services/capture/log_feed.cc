@@ -179,15 +179,16 @@ class RawLogFeed : public CaptureFeed {
       // The end, or a whole round without a frame that could be given.
       if (!raw || log_->rounds() > round_ + 1) return std::nullopt;
       const RigInUsePtr rig = current_->Get();
-      Result<scenes::CapturedFrame> frame = RectifyFrame(rig->rectifier, Decoded(*raw));
+      scenes::CapturedFrame frame = Decoded(*raw);
+      const Result<void> rectified = rig->rectifier.Rectify(frame.left, frame.right, frame.tof);
       newest_ = {raw->id.utime, raw->id.seq, rig->rig_id};
-      if (!frame) {
-        monitor_.FrameFailed(newest_, frame.error().text);
+      if (!rectified) {
+        monitor_.FrameFailed(newest_, rectified.error().text);
         continue;
       }
       round_ = log_->rounds();
       const bool is_new = rig != std::exchange(used_, rig);
-      CaptureMessages messages = Encoded(newest_, *frame);
+      CaptureMessages messages = Encoded(newest_, frame);
       return is_new ? BehindCalibration(Calibration(), std::move(messages)) : messages;
     }
     return std::nullopt;

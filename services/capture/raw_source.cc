@@ -2,16 +2,8 @@
 
 #include <utility>
 
-#include "common/core/image.h"
-
 namespace sprout::capture {
 namespace {
-
-Result<void> CheckSize(const std::string& what, cv::Size size, cv::Size calibrated) {
-  if (size == calibrated) return {};
-  return Fail(what + " of " + SizeText(size) + ": allowed is the calibrated size " +
-              SizeText(calibrated));
-}
 
 class RectifiedSource : public scenes::FrameSource {
  public:
@@ -27,21 +19,21 @@ class RectifiedSource : public scenes::FrameSource {
   std::optional<scenes::CapturedFrame> Next(const std::stop_token& stop) override {
     lost_ = {};
     while (true) {
-      std::optional<scenes::CapturedFrame> raw = cameras_->Next(stop);
-      if (!raw) return AtEnd();
-      lost_.count += raw->lost;
-      if (!raw->trouble.empty()) lost_.trouble = raw->trouble;
+      std::optional<scenes::CapturedFrame> frame = cameras_->Next(stop);
+      if (!frame) return AtEnd();
+      lost_.count += frame->lost;
+      if (!frame->trouble.empty()) lost_.trouble = frame->trouble;
       const RigInUsePtr rig = current_->Get();
-      Result<scenes::CapturedFrame> frame = RectifyFrame(rig->rectifier, std::move(*raw));
-      if (frame) {
+      const Result<void> rectified = rig->rectifier.Rectify(frame->left, frame->right, frame->tof);
+      if (rectified) {
         if (rig != used_) frame->new_rig = rig->named();
         used_ = rig;
         frame->lost = lost_.count;
         frame->trouble = lost_.trouble;
-        return std::move(*frame);
+        return frame;
       }
       ++lost_.count;
-      lost_.trouble = frame.error().text;
+      lost_.trouble = rectified.error().text;
     }
   }
 
@@ -63,20 +55,6 @@ class RectifiedSource : public scenes::FrameSource {
 };
 
 }  // namespace
-
-Result<scenes::CapturedFrame> RectifyFrame(const Rectifier& rectifier, scenes::CapturedFrame raw) {
-  const RawRig& rig = rectifier.raw();
-  Result<void> fits = CheckSize("left image", raw.left.size(), rig.left.size());
-  if (fits) fits = CheckSize("right image", raw.right.size(), rig.right.size());
-  if (fits && !raw.tof.depth_m.empty()) {
-    fits = CheckSize("ToF image", raw.tof.depth_m.size(), rig.tof.size());
-  }
-  if (!fits) return tl::unexpected<Error>(fits.error());
-  raw.left = rectifier.RectifyLeft(raw.left);
-  raw.right = rectifier.RectifyRight(raw.right);
-  rectifier.CorrectRanges(raw.tof);
-  return raw;
-}
 
 std::unique_ptr<scenes::FrameSource> Rectified(std::unique_ptr<RawSource> cameras,
                                                std::shared_ptr<CurrentRig> rig) {

@@ -4,8 +4,6 @@
 #include <string>
 
 #include "common/app/log.h"
-#include "common/core/result.h"
-#include "common/rig/rectifier.h"
 #include "common/scenes/frame_source.h"
 #include "services/capture/current_rig.h"
 
@@ -13,10 +11,6 @@ namespace sprout::capture {
 
 /// Cameras: raw triplets, neither rectified nor with corrected ranges.
 using RawSource = scenes::TripletSource;
-
-/// Rectifies the images of a frame and corrects its ranges. A ToF image of 0×0 stays empty. The
-/// error names an image of another size than the calibrated one.
-Result<scenes::CapturedFrame> RectifyFrame(const Rectifier& rectifier, scenes::CapturedFrame raw);
 
 /// Rectified frames of cameras, each with the rig that is current when it comes. One of another
 /// size than the calibrated one counts as lost.

@@ -116,9 +116,8 @@ std::string SizeComplaint(const Frame& frame, const Input& input) {
   const cv::Size size = (frame.*input.map)->size();
   const cv::Mat& confidence = frame.*input.confidence;
   const std::string name = input.name;
-  if (frame.rig->pair.size() != size) {
-    return name + " of " + SizeText(size) + ": allowed is the calibrated size " +
-           SizeText(frame.rig->pair.size());
+  if (const auto fits = CheckImageSize(name, size, frame.rig->pair.size()); !fits) {
+    return fits.error().text;
   }
   if (frame.left.size() != size) {
     return "LEFT of " + SizeText(frame.left.size()) + ": allowed is " + name + "'s " +

@@ -34,6 +34,23 @@ std::invoke_result_t<Convert, const Ros&> Stamped(const RosBytes& message, Timed
   return convert(**ros);
 }
 
+// An image that may be compressed.
+// @param size     what it has to have; nothing: any.
+// @param convert  of RosImage, and of RosCompressedImage and the size.
+template <typename Convert>
+std::invoke_result_t<Convert, const RosImage&> Decoded(const RosBytes& message,
+                                                       const std::string& what,
+                                                       const std::optional<cv::Size>& size,
+                                                       TimedImage& timed, const Convert& convert) {
+  auto image = message.is_compressed
+                   ? Stamped<RosCompressedImage>(
+                         message, timed, [&](const auto& ros) { return convert(ros, size); })
+                   : Stamped<RosImage>(message, timed, convert);
+  if (!image || !size) return image;
+  const Result<void> fits = CheckImageSize(what, image->size(), *size);
+  return fits.map([&] { return std::move(*image); });
+}
+
 RigPlace PlaceOf(RosRole role) {
   if (role == RosRole::kLeft) return RigPlace::kLeft;
   return role == RosRole::kRight ? RigPlace::kRight : RigPlace::kTof;
@@ -85,38 +102,6 @@ RosTriplets::RosTriplets(const RosSettings& settings, std::optional<cv::Size> si
       eight_bits_(settings.bits),
       max_spread_ms_(settings.max_spread_ms) {}
 
-Result<TimedImage> RosTriplets::DecodePicture(const RosBytes& message) const {
-  TimedImage timed;
-  Result<cv::Mat> image =
-      message.is_compressed
-          ? Stamped<RosCompressedImage>(message, timed,
-                                        [&](const auto& ros) { return FromRosImage(ros, size_); })
-          : Stamped<RosImage>(message, timed, [](const auto& ros) { return FromRosImage(ros); });
-  if (!image) return tl::unexpected(image.error());
-  if (size_ && image->size() != *size_) {
-    return Fail("image of " + SizeText(image->size()) + ": allowed is the calibrated size " +
-                SizeText(*size_));
-  }
-  timed.image = std::move(*image);
-  return timed;
-}
-
-Result<TimedImage> RosTriplets::DecodeDepth(const RosBytes& message) const {
-  TimedImage timed;
-  Result<cv::Mat1f> depth_m =
-      message.is_compressed
-          ? Stamped<RosCompressedImage>(
-                message, timed, [&](const auto& ros) { return FromRosDepth(ros, range_size_); })
-          : Stamped<RosImage>(message, timed, [](const auto& ros) { return FromRosDepth(ros); });
-  if (!depth_m) return tl::unexpected(depth_m.error());
-  if (range_size_ && depth_m->size() != *range_size_) {
-    return Fail("range image of " + SizeText(depth_m->size()) +
-                ": allowed is the calibrated size " + SizeText(*range_size_));
-  }
-  timed.tof.depth_m = std::move(*depth_m);
-  return timed;
-}
-
 Result<TimedImage> RosTriplets::DecodePoints(const RosBytes& message) {
   TimedImage timed;
   size_t count = 0;
@@ -133,8 +118,20 @@ Result<TimedImage> RosTriplets::DecodePoints(const RosBytes& message) {
 }
 
 Result<TimedImage> RosTriplets::Decode(const RosBytes& message) {
-  if (message.role == RosRole::kDepth) return DecodeDepth(message);
-  return message.role == RosRole::kPoints ? DecodePoints(message) : DecodePicture(message);
+  if (message.role == RosRole::kPoints) return DecodePoints(message);
+  TimedImage timed;
+  if (message.role == RosRole::kDepth) {
+    const auto convert = [](const auto&... ros) { return FromRosDepth(ros...); };
+    return Decoded(message, "range image", range_size_, timed, convert).map([&](cv::Mat1f depth_m) {
+      timed.tof.depth_m = std::move(depth_m);
+      return std::move(timed);
+    });
+  }
+  const auto convert = [](const auto&... ros) { return FromRosImage(ros...); };
+  return Decoded(message, "image", size_, timed, convert).map([&](cv::Mat image) {
+    timed.image = std::move(image);
+    return std::move(timed);
+  });
 }
 
 Result<void> RosTriplets::Take(const RosBytes& message) {

@@ -67,8 +67,6 @@ class RosTriplets {
  private:
   Result<void> NoteStamp(std::deque<int64_t>& stamps, int64_t utime);
   Result<TimedImage> Decode(const RosBytes& message);
-  Result<TimedImage> DecodePicture(const RosBytes& message) const;
-  Result<TimedImage> DecodeDepth(const RosBytes& message) const;
   Result<TimedImage> DecodePoints(const RosBytes& message);
   std::string WhyUnpaired() const;
   std::string WhyMostAreLost() const;

@@ -14,18 +14,6 @@
 #include "common/scenes/pfm.h"
 
 namespace sprout {
-namespace {
-
-Result<void> CheckSize(const std::string& what, cv::Size size, cv::Size calibrated) {
-  if (size == calibrated) return {};
-  if (calibrated.empty()) {
-    return Fail(what + " is " + SizeText(size) + ", and the rig file has no tof: allowed is none");
-  }
-  return Fail(what + " is " + SizeText(size) + ": allowed is the calibrated size " +
-              SizeText(calibrated));
-}
-
-}  // namespace
 
 PairReader::PairReader(const RigOptions& options, const PixelOptions& pixels)
     : options_(options), eight_bits_(pixels.bits) {
@@ -112,25 +100,14 @@ Result<void> PairReader::Calibrate(Frame& frame) {
   frame.rig = Rig{.pair = *pair, .tof = tof_camera_.value_or(TofOverLeft(*pair, tof_size))};
   if (!tof_camera_) NoteOblong(tof_size, pair->size());
   if (!tof_camera_ || tof_size.empty()) return {};
-  const Result<void> fits =
-      CheckSize("the ToF image", tof_size, {tof_camera_->width, tof_camera_->height});
+  const Result<void> fits = CheckTofSize(*frame.rig, *frame.tof);
   if (fits && tof_rectifier_) tof_rectifier_->CorrectRanges(*frame.tof);
   return fits;
 }
 
 Result<void> PairReader::Rectify(Frame& frame) const {
-  const RawRig& raw = rectifier_->raw();
-  Result<void> fits = CheckSize("the left image", frame.left.size(), raw.left.size());
-  if (fits) fits = CheckSize("the right image", frame.right.size(), raw.right.size());
-  if (fits && !frame.tof->depth_m.empty()) {
-    fits = CheckSize("the ToF image", frame.tof->depth_m.size(), raw.tof.size());
-  }
-  if (!fits) return fits;
-  frame.left = rectifier_->RectifyLeft(frame.left);
-  frame.right = rectifier_->RectifyRight(frame.right);
-  rectifier_->CorrectRanges(*frame.tof);
   frame.rig = rectifier_->rig();
-  return {};
+  return rectifier_->Rectify(frame.left, frame.right, *frame.tof);
 }
 
 // @param number  of the picture in a video; −1: an image.

@@ -38,16 +38,17 @@ class TestCameras : public RawSource {
 
 TEST(RawSource, RectifiesImagesAndRanges) {
   const Rectifier rectifier(TiltedRig());
-  const scenes::CapturedFrame frame = Required(RectifyFrame(rectifier, RawFrame(77)));
+  scenes::CapturedFrame frame = RawFrame(77);
+  Required(rectifier.Rectify(frame.left, frame.right, frame.tof));
   EXPECT_EQ(frame.left.size(), rectifier.rig().pair.size());
   EXPECT_EQ(frame.right.at<cv::Vec3b>(240, 320)[1], 77);
   EXPECT_NEAR(frame.tof.depth_m(71, 88), 1.01 * 2 - 0.02, 1e-3);
 }
 
 TEST(RawSource, TakesAFrameWhoseToFCameraGaveNothing) {
-  scenes::CapturedFrame raw = RawFrame(77);
-  raw.tof = {};
-  const scenes::CapturedFrame frame = Required(RectifyFrame(Rectifier(TiltedRig()), raw));
+  scenes::CapturedFrame frame = RawFrame(77);
+  frame.tof = {};
+  Required(Rectifier(TiltedRig()).Rectify(frame.left, frame.right, frame.tof));
   EXPECT_TRUE(frame.tof.depth_m.empty());
 }
 
@@ -55,11 +56,13 @@ TEST(RawSource, NamesTheImageThatIsNotOfTheCalibratedSize) {
   const Rectifier rectifier(TiltedRig());
   scenes::CapturedFrame raw = RawFrame(1);
   raw.right = Picture({64, 48}, 1);
-  EXPECT_THAT(RectifyFrame(rectifier, raw).error().text,
-              AllOf(HasSubstr("right image of 64x48"), HasSubstr("640x480")));
+  EXPECT_EQ(rectifier.Rectify(raw.left, raw.right, raw.tof).error().text,
+            "right image of 64x48: allowed is the calibrated size 640x480");
+  EXPECT_EQ(cv::norm(raw.left, RawFrame(1).left), 0);
   raw = RawFrame(1);
   raw.tof.depth_m = cv::Mat1f(3, 4, 1.f);
-  EXPECT_THAT(RectifyFrame(rectifier, raw).error().text, HasSubstr("ToF image of 4x3"));
+  EXPECT_THAT(rectifier.Rectify(raw.left, raw.right, raw.tof).error().text,
+              HasSubstr("ToF image of 4x3"));
 }
 
 TEST(RawSource, CountsFramesThatCannotBeRectifiedAsLost) {

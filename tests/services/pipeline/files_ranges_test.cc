@@ -131,7 +131,7 @@ TEST_F(FilesRanges, OfACameraBesideTheLeftOneAreWhereItsRigFileSays) {
   // A line per pair has the number of seeds: nearly all points are used.
   options_.tof = Write("small.png", cv::Mat(tof(cv::Rect(0, 0, 20, 20)).clone()));
   EXPECT_EQ(Run(), 1);
-  EXPECT_THAT(err_, HasSubstr("the ToF image is 20x20: allowed is the calibrated size 48x36"));
+  EXPECT_THAT(err_, HasSubstr("ToF image of 20x20: allowed is the calibrated size 48x36"));
   std::ofstream(options_.rig.tof_rig_file) << "calibration { }\n";
   EXPECT_EQ(Run(), 2);
   EXPECT_THAT(err_, HasSubstr("tof.textproto: no ToF camera; allowed: a file with calibration"));

@@ -74,14 +74,13 @@ TEST_F(Files, OfUnrectifiedCamerasAreRectifiedByTheRigFile) {
 
   const cv::Mat small(60, 80, CV_8UC1, cv::Scalar(0));
   options_.left = Write("small.png", small);
-  EXPECT_THAT(RunToEnd(options_).err,
-              HasSubstr("small.png: the left image is 80x60: allowed is the "
-                        "calibrated size 160x120\n"));
+  EXPECT_THAT(RunToEnd(options_).err, HasSubstr("small.png: left image of 80x60: allowed is the "
+                                                "calibrated size 160x120\n"));
   options_.left = folder_ / "left.png";
   options_.tof = folder_ / "tof.png";
   EXPECT_THAT(RunToEnd(options_).err,
-              HasSubstr("left.png: the ToF image is 40x30, and the rig file has "
-                        "no tof: allowed is none\n"));
+              HasSubstr("left.png: ToF image of 40x30: allowed is none, the "
+                        "calibration has none\n"));
 }
 
 TEST_F(Files, OfManyPairsAreComputedButForTheOnesThatCannotBe) {

@@ -2,9 +2,7 @@
 
 #include <cmath>
 #include <numbers>
-
-#include "common/core/image.h"
-#include "common/geometry/projection.h"
+#include <utility>
 
 namespace sprout::calibrate {
 namespace {
@@ -43,21 +41,9 @@ Lens Scaled(Lens lens, double by) {
 
 }  // namespace
 
-Result<RigImages> RectifyImages(const Rectifier& rectifier, const RigImages& images) {
-  const cv::Size size = rectifier.raw().left.size();
-  if (images.left.size() != size || images.right.size() != size) {
-    return Fail("images of " + SizeText(images.left.size()) + " and " +
-                SizeText(images.right.size()) + ": allowed is the calibrated size " +
-                SizeText(size));
-  }
-  TofImage tof = images.tof;
-  if (const auto fits = CheckTofSize(RigOfFrame(rectifier.rig(), tof), tof); !fits) {
-    return tl::unexpected(fits.error());
-  }
-  rectifier.CorrectRanges(tof);
-  return RigImages{.left = rectifier.RectifyLeft(images.left),
-                   .right = rectifier.RectifyRight(images.right),
-                   .tof = tof};
+Result<RigImages> RectifyImages(const Rectifier& rectifier, RigImages images) {
+  const Result<void> rectified = rectifier.Rectify(images.left, images.right, images.tof);
+  return rectified.map([&] { return std::move(images); });
 }
 
 const RigNumberRow& RowOf(RigNumber number) { return kNumberRows[number]; }

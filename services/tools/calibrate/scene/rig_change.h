@@ -15,7 +15,7 @@ namespace sprout::calibrate {
 
 /// A triplet as the cameras gave it, rectified, and without the bias of its ranges. O(pixels).
 /// @returns an error when sizes do not fit the calibration.
-Result<RigImages> RectifyImages(const Rectifier& rectifier, const RigImages& images);
+Result<RigImages> RectifyImages(const Rectifier& rectifier, RigImages images);
 
 /// The numbers of a rig that a scene without a board can show, as changes of a calibration.
 enum RigNumber : size_t {
