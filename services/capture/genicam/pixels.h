@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -31,6 +32,21 @@ enum class PixelFormat : uint32_t {
   kConfidence16 = 0x011000C7,
   kCoord3dAbcy16 = 0x82400403,  // Lucid's own: A, B, C and the intensity
 };
+
+/// What the numbers of a format are.
+enum class PixelKind { kGrey, kColour, kCoordinates, kConfidence };
+
+/// A supported format.
+struct PixelTraits {
+  PixelFormat format;
+  std::string_view name;  ///< GenICam's
+  PixelKind kind;
+  int type;  ///< OpenCV's, of the pixels as they are sent
+  std::optional<cv::ColorConversionCodes> to_bgr = {};  ///< of a colour that is not BGR
+};
+
+/// Null if the format is not supported.
+const PixelTraits* TraitsOf(uint32_t format);
 
 /// The format with this GenICam name ("BayerRG8"), if supported.
 std::optional<PixelFormat> PixelFormatNamed(std::string_view name);
@@ -64,7 +80,7 @@ struct PayloadPart {
 Result<size_t> RowBytes(const PayloadPart& part);
 
 /// An image of the left or right camera, 8UC1, or 8UC3 (BGR) of a colour camera: Bayer patterns are
-/// interpolated bilinearly (cv::demosaicing). A copy, independent of the payload. O(pixels).
+/// interpolated bilinearly. A copy, independent of the payload. O(pixels).
 Result<cv::Mat> ToImage(const PayloadPart& part);
 
 }  // namespace sprout::capture

@@ -6,7 +6,6 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 namespace sprout::capture {
@@ -14,93 +13,43 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "payloads are little endian");
 
-// Which of a pixel's numbers is wanted: coordinate C is behind A and B.
-struct Numbers {
-  bool is_float = false;
-  int count = 1;
-  int wanted = 0;
-  size_t bytes = 2;
-};
+// Places of the numbers of a pixel with A, B, C and perhaps the intensity.
+constexpr int kCoordinateC = 2;
+constexpr int kIntensity = 3;
 
-constexpr int kIntensity = 3;  // of A, B, C, Y
-
-// Nothing for formats of colour: a device may say of any image that it shows ranges.
-std::optional<Numbers> NumbersOf(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::kCoord3dAbc16:
-      return Numbers{.is_float = false, .count = 3, .wanted = 2, .bytes = 2};
-    case PixelFormat::kCoord3dAbcy16:
-      return Numbers{.is_float = false, .count = 4, .wanted = 2, .bytes = 2};
-    case PixelFormat::kCoord3dAbc32f:
-      return Numbers{.is_float = true, .count = 3, .wanted = 2, .bytes = 4};
-    case PixelFormat::kCoord3dC32f:
-      return Numbers{.is_float = true, .count = 1, .wanted = 0, .bytes = 4};
-    case PixelFormat::kMono8:
-    case PixelFormat::kConfidence8:
-      return Numbers{.is_float = false, .count = 1, .wanted = 0, .bytes = 1};
-    case PixelFormat::kCoord3dC16:
-    case PixelFormat::kMono16:
-    case PixelFormat::kConfidence16:
-      return Numbers{};
-    default:
-      return std::nullopt;
-  }
-}
-
-double ReadNumber(const uint8_t* bytes, const Numbers& numbers) {
-  if (numbers.is_float) {
-    float value = 0;
-    std::memcpy(&value, bytes, sizeof value);
-    return static_cast<double>(value);
-  }
-  if (numbers.bytes == 1) return *bytes;
-  uint16_t value = 0;
-  std::memcpy(&value, bytes, sizeof value);
-  return value;
-}
-
-// One number of every pixel: the wanted one, or else that which was asked for.
+// One number of every pixel: coordinate C or the only one, or else that which was asked for. Not of
+// formats of colour: a device may say of any image that it shows ranges.
 Result<cv::Mat1d> ReadPart(const PayloadPart& part, std::optional<int> wanted = {}) {
   const Result<size_t> stride = RowBytes(part);
   if (!stride) return Fail(stride.error().text);
-  std::optional<Numbers> numbers = NumbersOf(static_cast<PixelFormat>(part.format));
-  if (!numbers) {
+  const PixelTraits& traits = *TraitsOf(part.format);
+  if (traits.kind == PixelKind::kColour) {
     return Fail("pixel format " + PixelFormatName(part.format) +
                 " holds no ranges and no confidence; allowed: " + TofFormatNames());
   }
-  numbers->wanted = wanted.value_or(numbers->wanted);
-  const size_t pixel = numbers->bytes * static_cast<size_t>(numbers->count);
-  cv::Mat1d values(part.height, part.width);
+  cv::Mat pixels(part.height, part.width, traits.type);  // rows of a payload begin anywhere
   for (int v = 0; v < part.height; ++v) {
-    const uint8_t* bytes = part.bytes.data() + static_cast<size_t>(v) * *stride +
-                           numbers->bytes * static_cast<size_t>(numbers->wanted);
-    for (int u = 0; u < part.width; ++u, bytes += pixel) values(v, u) = ReadNumber(bytes, *numbers);
+    const uint8_t* row = part.bytes.data() + static_cast<size_t>(v) * *stride;
+    std::copy_n(row, pixels.step[0], pixels.ptr(v));
   }
+  cv::Mat plane;
+  cv::extractChannel(pixels, plane, wanted.value_or(pixels.channels() == 1 ? 0 : kCoordinateC));
+  cv::Mat1d values;
+  plane.convertTo(values, CV_64F);
   return values;
 }
 
+bool IsOfKind(const PayloadPart& part, PixelKind kind) {
+  const PixelTraits* traits = TraitsOf(part.format);
+  return traits && traits->kind == kind;
+}
+
 bool IsCoordinate(const PayloadPart& part) {
-  switch (static_cast<PixelFormat>(part.format)) {
-    case PixelFormat::kCoord3dC16:
-    case PixelFormat::kCoord3dC32f:
-    case PixelFormat::kCoord3dAbc16:
-    case PixelFormat::kCoord3dAbc32f:
-    case PixelFormat::kCoord3dAbcy16:
-      return true;
-    default:
-      return part.content == PartContent::kRange;
-  }
+  return part.content == PartContent::kRange || IsOfKind(part, PixelKind::kCoordinates);
 }
 
 bool IsConfidence(const PayloadPart& part) {
-  const auto format = static_cast<PixelFormat>(part.format);
-  return part.content == PartContent::kConfidence || format == PixelFormat::kConfidence8 ||
-         format == PixelFormat::kConfidence16;
-}
-
-bool IsAmplitude(const PayloadPart& part) {
-  const auto format = static_cast<PixelFormat>(part.format);
-  return format == PixelFormat::kMono16 || format == PixelFormat::kMono8;
+  return part.content == PartContent::kConfidence || IsOfKind(part, PixelKind::kConfidence);
 }
 
 struct Roles {
@@ -115,7 +64,7 @@ Roles RolesOf(std::span<const PayloadPart> parts) {
     const PayloadPart*& role = IsCoordinate(part)   ? roles.range
                                : IsConfidence(part) ? roles.confidence
                                                     : roles.amplitude;
-    if (role || (&role == &roles.amplitude && !IsAmplitude(part))) continue;
+    if (role || (&role == &roles.amplitude && !IsOfKind(part, PixelKind::kGrey))) continue;
     role = &part;
   }
   // Ranges from a camera that does not know of coordinates.
@@ -159,7 +108,7 @@ Result<TofImage> ToTofImage(std::span<const PayloadPart> parts, const Scan3d& sc
   if (!numbers) return Fail(numbers.error().text);
   TofImage image;
   image.depth_m.create(numbers->size());
-  const bool is_count = !NumbersOf(static_cast<PixelFormat>(roles.range->format))->is_float;
+  const bool is_count = CV_MAT_DEPTH(TraitsOf(roles.range->format)->type) != CV_32F;
   std::transform(numbers->begin(), numbers->end(), image.depth_m.begin(),
                  [&](double number) { return MetresOf(number, is_count, scan3d); });
   if (roles.confidence) {
