@@ -35,27 +35,6 @@
 namespace sprout::capture {
 namespace {
 
-// Listens to SPROUT_RIG_CHANGE, and lets a RigKeeper put the calibration right, on a thread of its
-// own with low priority, so that no frame waits.
-class RigUpdates {
- public:
-  // @param current  null when the source is not rectified here.
-  // @param monitor  is told of every change; must outlive this.
-  // @throws ConfigError as RigKeeper, and when there is nothing that could be changed; BusError.
-  RigUpdates(const ServiceContext& context, std::shared_ptr<CurrentRig> current,
-             StageMonitor& monitor);
-
- private:
-  void OnMessage(std::span<const uint8_t> bytes);
-  void Work(const std::stop_token& stop);
-
-  StageMonitor& monitor_;
-  RigKeeper keeper_;
-  Mailbox<RigChange> changes_;
-  std::jthread worker_;
-  Receiver receiver_;  // last: stops before the rest is destroyed
-};
-
 std::shared_ptr<CurrentRig> Required(std::shared_ptr<CurrentRig> current,
                                      const CaptureConfig& config) {
   if (current) return current;
@@ -64,34 +43,49 @@ std::shared_ptr<CurrentRig> Required(std::shared_ptr<CurrentRig> current,
                     "?rig=FILE, without --raw");
 }
 
-RigUpdates::RigUpdates(const ServiceContext& context, std::shared_ptr<CurrentRig> current,
-                       StageMonitor& monitor)
-    : monitor_(monitor),
-      keeper_(context.config.self_calibrate(),
-              Required(std::move(current), context.config.capture())),
-      worker_([this](const std::stop_token& stop) { Work(stop); }),
-      receiver_(
-          context.lcm_url, context.prefix, {kRigChangeChannel},
-          [this](std::string_view, std::span<const uint8_t> bytes) { OnMessage(bytes); },
-          [this](std::string_view channel) { monitor_.MessageDropped(channel); }) {}
+// Listens to SPROUT_RIG_CHANGE, and lets a RigKeeper put the calibration right, on a thread of its
+// own with low priority, so that no frame waits.
+class RigUpdates {
+ public:
+  // @param current  null when the source is not rectified here.
+  // @param monitor  is told of every change; must outlive this.
+  // @throws ConfigError as RigKeeper, and when there is nothing that could be changed; BusError.
+  RigUpdates(const ServiceContext& context, std::shared_ptr<CurrentRig> current,
+             StageMonitor& monitor)
+      : monitor_(monitor),
+        keeper_(context.config.self_calibrate(),
+                Required(std::move(current), context.config.capture())),
+        worker_([this](const std::stop_token& stop) { Work(stop); }),
+        receiver_(
+            context.lcm_url, context.prefix, {kRigChangeChannel},
+            [this](std::string_view, std::span<const uint8_t> bytes) { OnMessage(bytes); },
+            [this](std::string_view channel) { monitor_.MessageDropped(channel); }) {}
 
-void RigUpdates::OnMessage(std::span<const uint8_t> bytes) {
-  Result<RigChange> change = DecodeRigChange(bytes);
-  if (!change) return monitor_.BadMessage(kRigChangeChannel, change.error().text);
-  changes_.Put(*std::move(change));
-}
+ private:
+  void OnMessage(std::span<const uint8_t> bytes) {
+    Result<RigChange> change = DecodeRigChange(bytes);
+    if (!change) return monitor_.BadMessage(kRigChangeChannel, change.error().text);
+    changes_.Put(*std::move(change));
+  }
 
-void RigUpdates::Work(const std::stop_token& stop) {
-  LowerPriority();
-  while (const std::optional<RigChange> change = changes_.Take(stop)) {
-    try {
-      const RigKeeper::Outcome outcome = keeper_.Consider(*change, RigKeeper::Clock::now());
-      if (!outcome.text.empty()) monitor_.Warn(outcome.text);
-    } catch (const std::exception& e) {  // out of memory
-      monitor_.Failure(std::string("the calibration is not changed: ") + e.what());
+  void Work(const std::stop_token& stop) {
+    LowerPriority();
+    while (const std::optional<RigChange> change = changes_.Take(stop)) {
+      try {
+        const RigKeeper::Outcome outcome = keeper_.Consider(*change, RigKeeper::Clock::now());
+        if (!outcome.text.empty()) monitor_.Warn(outcome.text);
+      } catch (const std::exception& e) {  // out of memory
+        monitor_.Failure(std::string("the calibration is not changed: ") + e.what());
+      }
     }
   }
-}
+
+  StageMonitor& monitor_;
+  RigKeeper keeper_;
+  Mailbox<RigChange> changes_;
+  std::jthread worker_;
+  Receiver receiver_;  // last: stops before the rest is destroyed
+};
 
 using Clock = StageMonitor::Clock;
 
@@ -102,8 +96,8 @@ constexpr std::chrono::seconds kCalibrationPeriod{1};
 // that.
 constexpr std::chrono::milliseconds kPreparation{200};
 
-Clock::duration ToClock(std::chrono::duration<double> duration) {
-  return std::chrono::duration_cast<Clock::duration>(duration);
+Clock::duration Seconds(double seconds) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
 // Cameras have their own rate, and a log says when its frames were taken; datasets go at the rate
@@ -225,7 +219,7 @@ class Capture {
 
   bool WaitForStages() {
     const auto missing =
-        answers_.WaitForStages(Clock::now() + ToClock(options_.wait_timeout), stop_);
+        answers_.WaitForStages(Clock::now() + Seconds(options_.wait_timeout_s), stop_);
     const std::set<std::string> reported = answers_.reported();
     const std::string others =
         reported.empty() ? "" : "those of " + Joined(", ", reported) + " came; ";
@@ -233,7 +227,7 @@ class Capture {
       if (!stop_.stop_requested()) {
         LogLine(LogLevel::kError,
                 "no status from stage '{}' in {} s; {}is it running on this LCM URL and prefix?",
-                stage, options_.wait_timeout.count(), others);
+                stage, options_.wait_timeout_s, others);
       }
     }
     return missing.empty();
@@ -270,7 +264,7 @@ class Capture {
   }
 
   void SendOverdueAgain() {
-    const auto oldest = Clock::now() - ToClock(options_.lockstep_timeout);
+    const auto oldest = Clock::now() - Seconds(options_.lockstep_timeout_s);
     auto again = std::stable_partition(
         in_flight_.begin(), in_flight_.end(),
         [&](const InFlight& one) { return one.sent > oldest && !one.is_overtaken; });

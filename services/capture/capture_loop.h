@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -18,9 +17,9 @@ struct CaptureOptions {
   bool rate_is_asked_for = false;  ///< set by a flag; a log ignores the configured rate
   /// Frames that may be without a SPROUT_DISPARITY answer; nothing: send without waiting.
   std::optional<int> lockstep;
-  std::chrono::duration<double> lockstep_timeout{};  ///< after which a frame is sent again
-  std::vector<std::string> wait_for;             ///< stages that must report before the first frame
-  std::chrono::duration<double> wait_timeout{};  ///< how long to wait for them
+  double lockstep_timeout_s = 10;     ///< after which a frame is sent again
+  std::vector<std::string> wait_for;  ///< stages that must report before the first frame
+  double wait_timeout_s = 30;         ///< how long to wait for them
 };
 
 /// Sends the source's frames on LEFT, RIGHT and TOF (raw ones with kRawPrefix before them), and the

@@ -1,4 +1,3 @@
-#include <chrono>
 #include <iostream>
 #include <optional>
 
@@ -32,13 +31,7 @@ struct ConfigFlags {
   }
 };
 
-// Flags in seconds.
-struct Timeouts {
-  double lockstep_s = 10;
-  double wait_s = 30;
-};
-
-void AddFlags(Flags& flags, ConfigFlags& config, CaptureOptions& options, Timeouts& timeouts) {
+void AddFlags(Flags& flags, ConfigFlags& config, CaptureOptions& options) {
   flags.Add(
       "--source SOURCE", config.source,
       "middlebury:DIR (a scene folder) or synthetic:WxH (a moving scene), with ?tof=grid or "
@@ -66,14 +59,14 @@ void AddFlags(Flags& flags, ConfigFlags& config, CaptureOptions& options, Timeou
            "Have at most N frames without a SPROUT_DISPARITY answer; a frame not answered "
            "in time is sent again")
       .WithinWhole(1, 1000);
-  flags.Add("--lockstep-timeout", timeouts.lockstep_s, "How long to wait for that answer, s")
+  flags.Add("--lockstep-timeout", options.lockstep_timeout_s, "How long to wait for that answer, s")
       .Within(0.1, 3600.0)
       .ShowDefault();
   flags
       .Add("--wait-for STAGES", options.wait_for,
            "Send nothing before these stages report, e.g. refine,prior,grow")
       .SplitAtCommas();
-  flags.Add("--wait-timeout", timeouts.wait_s, "How long to wait for those stages, s")
+  flags.Add("--wait-timeout", options.wait_timeout_s, "How long to wait for those stages, s")
       .Within(0.1, 3600.0)
       .ShowDefault();
 }
@@ -84,13 +77,10 @@ int Main(int argc, char** argv) {
                   "SPROUT_RIGHT, SPROUT_TOF and SPROUT_RIG.");
   ConfigFlags config_flags;
   CaptureOptions options;
-  Timeouts timeouts;
-  AddFlags(service.flags(), config_flags, options, timeouts);
+  AddFlags(service.flags(), config_flags, options);
   return service.Run(
       argc, argv,
       [&](const ServiceContext& context) {
-        options.lockstep_timeout = std::chrono::duration<double>(timeouts.lockstep_s);
-        options.wait_timeout = std::chrono::duration<double>(timeouts.wait_s);
         options.rate_is_asked_for = config_flags.rate_hz.has_value();
         return RunCapture(context, options);
       },
