@@ -45,7 +45,7 @@ class VideoPictures : public Pictures {
 
   // Opens the place with its own backend: OpenCV's others try what they cannot open, and one of
   // them looks through all USB devices and keeps what it found.
-  bool Open(const DeviceSettings& settings) {
+  bool Open(const PictureMode& settings) {
     if (!OpenPlace()) return false;
     if (settings.width > 0) video_.set(cv::CAP_PROP_FRAME_WIDTH, settings.width);
     if (settings.height > 0) video_.set(cv::CAP_PROP_FRAME_HEIGHT, settings.height);
@@ -163,8 +163,7 @@ std::unique_ptr<Pictures> OpenImages(std::vector<std::string> files) {
   return std::make_unique<ListedPictures>(std::move(files));
 }
 
-std::unique_ptr<Pictures> OpenVideoPictures(const std::string& place,
-                                            const DeviceSettings& device) {
+std::unique_ptr<Pictures> OpenVideoPictures(const std::string& place, const PictureMode& device) {
   auto video = std::make_unique<VideoPictures>(place);
   if (!video->Open(device)) return nullptr;
   return video;

@@ -43,7 +43,7 @@ std::vector<std::string> FilesMatching(const std::string& pattern);
 std::unique_ptr<Pictures> OpenImages(std::vector<std::string> files);
 
 /// What is requested from a device; 0 = its own choice.
-struct DeviceSettings {
+struct PictureMode {
   int width = 0;   ///< px
   int height = 0;  ///< px
   double fps = 0;  ///< Hz
@@ -53,7 +53,7 @@ struct DeviceSettings {
 /// @returns null when it cannot be opened.
 /// @throws ConfigError for pictures that are too large.
 std::unique_ptr<Pictures> OpenVideoPictures(const std::string& place,
-                                            const DeviceSettings& device = {});
+                                            const PictureMode& device = {});
 
 /// Takes the newest picture: the queue of a device keeps the oldest ones for whoever is slower.
 /// Those before it are dropped.

@@ -14,9 +14,9 @@ struct VideoSettings {
   /// Left and right camera, or one with both views side by side: a video, an image list
   /// (left_%04d.png), a device (a number, /dev/video0).
   std::vector<std::string> places;
-  bool loop = false;           ///< start files again at the end
-  DeviceSettings device = {};  ///< for the whole picture
-  int bits = 0;                ///< see EightBits
+  bool loop = false;        ///< start files again at the end
+  PictureMode device = {};  ///< for the whole picture
+  int bits = 0;             ///< see EightBits
   /// How much later than the left video the right one begins, ms.
   double offset_ms = 0;
   /// Called once when a device gives nothing any more, but not while that goes on.
