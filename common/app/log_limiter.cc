@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "common/app/log.h"
-
 namespace sprout {
 
 std::optional<int64_t> LogLimiter::Pass(std::chrono::steady_clock::time_point now) {
@@ -15,15 +13,20 @@ std::optional<int64_t> LogLimiter::Pass(std::chrono::steady_clock::time_point no
   return std::exchange(held_back_, 0);
 }
 
+bool LogLimiter::Log(LogLevel level, const std::string& text,
+                     std::chrono::steady_clock::time_point now) {
+  const std::optional<int64_t> held_back = Pass(now);
+  if (held_back) LogLine(level, text + MoreText(*held_back));
+  return held_back.has_value();
+}
+
 std::string MoreText(int64_t held_back) {
   return held_back == 0 ? "" : " (" + std::to_string(held_back) + " more since the last such line)";
 }
 
 void LimitedWarnings::Warn(const std::string& text) {
   const std::lock_guard lock(mutex_);
-  if (const auto held_back = limiter_.Pass(std::chrono::steady_clock::now())) {
-    LogLine(LogLevel::kWarning, "{}{}", text, MoreText(*held_back));
-  }
+  limiter_.Log(LogLevel::kWarning, text, std::chrono::steady_clock::now());
 }
 
 }  // namespace sprout

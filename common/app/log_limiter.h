@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "common/app/log.h"
+
 namespace sprout {
 
 /// Passes one log line a second and counts the others. Not thread-safe.
@@ -14,6 +16,9 @@ class LogLimiter {
   /// @returns how many lines were suppressed since the last one; nothing when this one is
   ///          suppressed, too.
   std::optional<int64_t> Pass(std::chrono::steady_clock::time_point now);
+
+  /// Writes a line that passes, with the number of suppressed ones. @returns whether it does.
+  bool Log(LogLevel level, const std::string& text, std::chrono::steady_clock::time_point now);
 
  private:
   std::chrono::steady_clock::time_point next_{};

@@ -111,16 +111,11 @@ void StageMonitor::FrameOut(const FrameId& id, Clock::time_point arrived,
   if (!degenerate.empty()) {
     ++status_.frames_degenerate;
     TellLocked("frame " + std::to_string(id.seq) + ": " + degenerate);
-    if (const auto held_back = degenerate_log_.Pass(now)) {
-      LogLine(LogLevel::kWarning, "{}{}", status_.last_error, MoreText(*held_back));
-    }
+    degenerate_log_.Log(LogLevel::kWarning, status_.last_error, now);
   }
   if (!is_replay_ && sample.age_ms < -kClockSlackMs) {
     HoldLocked(clock_warning_.text, FutureText(id.seq, sample.age_ms), true);
-    if (const auto held_back = clock_log_.Pass(now)) {
-      clock_warning_.logged = true;
-      LogLine(LogLevel::kWarning, "{}{}", status_.last_error, MoreText(*held_back));
-    }
+    if (clock_log_.Log(LogLevel::kWarning, clock_warning_.text, now)) clock_warning_.logged = true;
   } else {
     ResolveLocked(clock_warning_);
   }
@@ -137,9 +132,7 @@ void StageMonitor::FrameFailed(const FrameId& id, const std::string& reason) {
   const std::lock_guard lock(mutex_);
   ++status_.frames_failed;
   TellLocked("frame " + std::to_string(id.seq) + ": failed: " + reason);
-  if (const auto held_back = failed_log_.Pass(now_())) {
-    LogLine(LogLevel::kError, "{}{}", status_.last_error, MoreText(*held_back));
-  }
+  failed_log_.Log(LogLevel::kError, status_.last_error, now_());
 }
 
 void StageMonitor::FrameNotSent(const FrameId& id, const std::string& reason) {
@@ -173,10 +166,10 @@ void StageMonitor::CapturesFailed(int64_t count, const std::string& reason) {
   const std::lock_guard lock(mutex_);
   status_.frames_failed += count;
   TellLocked(reason);
-  if (const auto held_back = failed_log_.Pass(now_())) {
-    LogLine(LogLevel::kError, "{} {} no frame: {}{}", count,
-            count == 1 ? "capture became" : "captures became", reason, MoreText(*held_back));
-  }
+  failed_log_.Log(LogLevel::kError,
+                  fmt::format("{} {} no frame: {}", count,
+                              count == 1 ? "capture became" : "captures became", reason),
+                  now_());
 }
 
 void StageMonitor::FrameResent(const FrameId& id) {
@@ -189,9 +182,8 @@ void StageMonitor::BadMessage(std::string_view channel, const std::string& reaso
   const std::lock_guard lock(mutex_);
   ++status_.bad_messages;
   TellLocked(std::string(channel) + ": " + reason);
-  if (const auto held_back = bad_message_log_.Pass(now_())) {
-    LogLine(LogLevel::kWarning, "{}: message dropped: {}{}", channel, reason, MoreText(*held_back));
-  }
+  bad_message_log_.Log(LogLevel::kWarning, fmt::format("{}: message dropped: {}", channel, reason),
+                       now_());
 }
 
 void StageMonitor::MessageDropped(std::string_view channel) {
@@ -223,9 +215,7 @@ void StageMonitor::Resolve(const std::string& reason) {
   const std::lock_guard lock(mutex_);
   if (reason.empty()) return;
   EndLocked(reason);
-  if (const auto held_back = over_log_.Pass(now_())) {
-    LogLine(LogLevel::kInfo, "over: {}{}", reason, MoreText(*held_back));
-  }
+  over_log_.Log(LogLevel::kInfo, "over: " + reason, now_());
 }
 
 void StageMonitor::TellLocked(const std::string& error) {
@@ -248,12 +238,18 @@ void StageMonitor::EndLocked(const std::string& held) {
   if (status_.last_error == held) status_.last_error = NewestHeldLocked();
 }
 
+void StageMonitor::LogLocked(OwnWarning& warning) {
+  warning.next_line = now_() + kWarningPeriod;
+  warning.logged = true;
+  LogLine(LogLevel::kWarning, warning.text);
+}
+
 // What comes and goes with every frame gets no more such lines than it gets warnings.
 void StageMonitor::ResolveLocked(OwnWarning& warning) {
   if (warning.text.empty()) return;
   EndLocked(warning.text);
   if (warning.logged) LogLine(LogLevel::kInfo, "over: {}", warning.text);
-  warning = {};
+  warning = {.next_line = warning.next_line};
 }
 
 void StageMonitor::SetRig(const std::string& rig_id) {
@@ -270,29 +266,23 @@ void StageMonitor::SetTofOffset(const TofOffsetStatus& offset) {
   const std::lock_guard lock(mutex_);
   status_.tof_offset = offset;
   if (!offset.is_off) return ResolveLocked(offset_warning_);
-  const bool is_due = now_() >= next_offset_warning_;
+  const bool is_due = now_() >= offset_warning_.next_line;
   if (!is_due && !offset_warning_.text.empty()) return;
   const std::string text = fmt::format(
       "the ToF camera's points are off by ({:.1f}, {:.1f}) px in the left image: calibrate again; "
       "refine {{ align_tof: true }} corrects it until then",
       -offset.u_px, -offset.v_px);
   HoldLocked(offset_warning_.text, text, true);
-  if (!is_due) return;
-  next_offset_warning_ = now_() + kWarningPeriod;
-  offset_warning_.logged = true;
-  LogLine(LogLevel::kWarning, text);
+  if (is_due) LogLocked(offset_warning_);
 }
 
 void StageMonitor::SetFinding(const std::optional<std::string>& text) {
   if (!text) return;
   const std::lock_guard lock(mutex_);
   if (text->empty()) return ResolveLocked(finding_);
-  const bool is_due = now_() >= next_finding_;
+  const bool is_due = now_() >= finding_.next_line;
   HoldLocked(finding_.text, *text, is_due);
-  if (!is_due) return;
-  next_finding_ = now_() + kWarningPeriod;
-  finding_.logged = true;
-  LogLine(LogLevel::kWarning, *text);
+  if (is_due) LogLocked(finding_);
 }
 
 void StageMonitor::SetSpread(double spread_ms) {

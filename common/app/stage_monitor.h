@@ -123,8 +123,9 @@ class StageMonitor {
 
   // A warning of this object that holds; empty: it does not.
   struct OwnWarning {
-    std::string text;
-    bool logged = false;  // the log has a line of it, and so gets one when it is over
+    std::string text = {};
+    bool logged = false;               // the log has a line of it, and so gets one when it is over
+    Clock::time_point next_line = {};  // of one that goes on and on
   };
 
   void SkippedLocked();
@@ -134,6 +135,7 @@ class StageMonitor {
   std::string NewestHeldLocked() const;
   double RateLocked() const;
   void EndLocked(const std::string& held);
+  void LogLocked(OwnWarning& warning);
   void ResolveLocked(OwnWarning& warning);
 
   std::function<Clock::time_point()> now_;
@@ -149,8 +151,6 @@ class StageMonitor {
   Clock::time_point newest_not_sent_{};
   Clock::time_point trouble_{};    // the newest error or loss
   std::vector<std::string> held_;  // warnings that hold now, the newest last
-  Clock::time_point next_offset_warning_{};
-  Clock::time_point next_finding_{};
   OwnWarning clock_warning_;
   OwnWarning offset_warning_;
   OwnWarning finding_;
