@@ -78,7 +78,7 @@ class DatasetWithErrors : public Dataset {
     const double range_m = depth_m * range_per_depth_(pixel);
     double off_m = config_.offset_m();
     if (config_.wiggle_m() > 0) {
-      off_m += config_.wiggle_m() * UnitPhasor(range_m / config_.wiggle_period_m()).imaginary;
+      off_m += config_.wiggle_m() * UnitPhasor(range_m / config_.wiggle_period_m()).imag();
     }
     return depth_m + off_m / range_per_depth_(pixel);
   }
@@ -118,8 +118,8 @@ Eigen::Isometry3d TurnedScanner(const Eigen::Isometry3d& left_from_scanner,
                                 const RangeErrorsConfig& config) {
   const auto rotation = [](double degrees, const Eigen::Vector3d& axis) {
     const Phasor half = UnitPhasor(degrees / 720);
-    const Eigen::Vector3d part = half.imaginary * axis;
-    return Eigen::Quaterniond(half.real, part.x(), part.y(), part.z());
+    const Eigen::Vector3d part = half.imag() * axis;
+    return Eigen::Quaterniond(half.real(), part.x(), part.y(), part.z());
   };
   if (config.yaw_degrees() == 0 && config.pitch_degrees() == 0) return left_from_scanner;
   Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();

@@ -221,12 +221,10 @@ void Sr4000::AddMotionErrorM(const std::vector<Footprint>& footprints,
     std::array<Phasor, 4> signals;
     for (size_t k = 0; k < 4; ++k) {
       const Footprint& moment = moments[k][index];
-      const Phasor phase = UnitPhasor(range_per_depth_(i) * DepthM(moment) / TurnM());
-      signals[k] = {moment.light * phase.real, moment.light * phase.imaginary};
+      signals[k] = moment.light * UnitPhasor(range_per_depth_(i) * DepthM(moment) / TurnM());
     }
-    const Phasor sum{signals[0].real + signals[2].real,
-                     signals[1].imaginary + signals[3].imaginary};
-    error_m(i) += TurnsOf(Product(sum, UnitPhasor(-still))) * TurnM();
+    const Phasor sum{signals[0].real() + signals[2].real(), signals[1].imag() + signals[3].imag()};
+    error_m(i) += TurnsOf(sum * UnitPhasor(-still)) * TurnM();
   }
 }
 

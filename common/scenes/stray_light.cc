@@ -157,9 +157,7 @@ Phasor SecondBounce(const Piece& pixel, const std::vector<Piece>& patches, doubl
     const double form =
         there * back / square * patch.area_m2 / (std::numbers::pi * square + patch.area_m2);
     const double later_m = (patch.position_m.norm() + std::sqrt(square) - range_m) / 2;
-    const Phasor phase = UnitPhasor(later_m / turn_m);
-    sum.real += form * patch.light * phase.real;
-    sum.imaginary += form * patch.light * phase.imaginary;
+    sum += form * patch.light * UnitPhasor(later_m / turn_m);
   }
   return sum;
 }
@@ -176,7 +174,7 @@ cv::Mat1d StrayLightErrorM(const LitView& view, const StrayLight& stray) {
   // Signal of each pixel, its phase relative to that of its own range.
   std::vector<Phasor> signals(view.depth_m.total());
   for (int i = 0; i < size.area(); ++i) {
-    if (!std::isnan(view.depth_m(i))) signals[static_cast<size_t>(i)].real = view.light(i);
+    if (!std::isnan(view.depth_m(i))) signals[static_cast<size_t>(i)] = view.light(i);
   }
   const double albedo = MeanAlbedo(view);
   if (stray.multipath > 0 && albedo > 0) {
@@ -187,12 +185,10 @@ cv::Mat1d StrayLightErrorM(const LitView& view, const StrayLight& stray) {
         for (int u = 0; u < size.width; ++u) {
           const double z = view.depth_m(v, u);
           if (std::isnan(z)) continue;
-          const Phasor bounce = SecondBounce(pieces.at(u, v), patches, turn_m);
           // The pixel's own albedo, and the patches' such that their mean is multipath.
           const double factor = view.light(v, u) * z * z * stray.multipath / albedo;
-          Phasor& signal = signals[static_cast<size_t>(v * size.width + u)];
-          signal.real += factor * bounce.real;
-          signal.imaginary += factor * bounce.imaginary;
+          signals[static_cast<size_t>(v * size.width + u)] +=
+              factor * SecondBounce(pieces.at(u, v), patches, turn_m);
         }
       }
     });
@@ -201,10 +197,8 @@ cv::Mat1d StrayLightErrorM(const LitView& view, const StrayLight& stray) {
   if (stray.scatter > 0) {
     for (int i = 0; i < size.area(); ++i) {
       if (std::isnan(view.depth_m(i))) continue;
-      const Phasor signal =
-          Product(signals[static_cast<size_t>(i)], UnitPhasor(range_m(i) / turn_m));
-      mean.real += signal.real / size.area();
-      mean.imaginary += signal.imaginary / size.area();
+      mean += signals[static_cast<size_t>(i)] * UnitPhasor(range_m(i) / turn_m) /
+              static_cast<double>(size.area());
     }
   }
   cv::Mat1d error_m(size, 0.0);
@@ -212,9 +206,7 @@ cv::Mat1d StrayLightErrorM(const LitView& view, const StrayLight& stray) {
     if (std::isnan(view.depth_m(i))) continue;
     Phasor signal = signals[static_cast<size_t>(i)];
     if (stray.scatter > 0) {
-      const Phasor scattered = Product(mean, UnitPhasor(-range_m(i) / turn_m));
-      signal.real += stray.scatter * (scattered.real - signal.real);
-      signal.imaginary += stray.scatter * (scattered.imaginary - signal.imaginary);
+      signal += stray.scatter * (mean * UnitPhasor(-range_m(i) / turn_m) - signal);
     }
     error_m(i) = TurnsOf(signal) * turn_m;
   }
@@ -246,15 +238,15 @@ Phasor UnitPhasor(double turns) {
 }
 
 double TurnsOf(const Phasor& phasor) {
-  const double amplitude =
-      std::sqrt(phasor.real * phasor.real + phasor.imaginary * phasor.imaginary);
+  // std::abs() and std::arg() round differently from machine to machine.
+  const double amplitude = std::sqrt(std::norm(phasor));
   if (!(amplitude > 0)) return 0;
   // Behind the imaginary axis: the angle to the negative real one.
-  if (phasor.real < 0) {
-    const double turned = TurnsOf({-phasor.real, -phasor.imaginary});
+  if (phasor.real() < 0) {
+    const double turned = TurnsOf(-phasor);
     return turned > 0 ? turned - 0.5 : turned + 0.5;
   }
-  double tangent = phasor.imaginary / (amplitude + phasor.real);  // of half the angle, |x| <= 1
+  double tangent = phasor.imag() / (amplitude + phasor.real());  // of half the angle, |x| <= 1
   double halves = 2;
   for (int i = 0; i < 2; ++i) {  // of an eighth: |x| <= 0.2
     tangent /= 1 + std::sqrt(1 + tangent * tangent);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -38,20 +39,12 @@ struct StrayLight {
 /// O(pixels · patches) with multi-path: some 10⁷ for an SR4000; rows in parallel.
 cv::Mat1d StrayLightErrorM(const LitView& view, const StrayLight& stray);
 
-/// Amplitude and phase of modulated light, as a complex number.
-struct Phasor {
-  double real = 0;
-  double imaginary = 0;
-};
+/// Amplitude and phase of modulated light.
+using Phasor = std::complex<double>;
 
 /// The phasor of amplitude 1 with that phase, turns (1 = 2π): cosine and sine, to 1e-11. Made of
 /// sums and products, so that simulated frames have the same bytes on every machine.
 Phasor UnitPhasor(double turns);
-
-/// Amplitudes multiplied, phases added.
-inline Phasor Product(const Phasor& a, const Phasor& b) {
-  return {a.real * b.real - a.imaginary * b.imaginary, a.real * b.imaginary + a.imaginary * b.real};
-}
 
 /// Its phase, turns, −1/2 to 1/2, to 1e-11; 0 for no signal. The inverse of UnitPhasor().
 double TurnsOf(const Phasor& phasor);

@@ -163,71 +163,59 @@ SyntheticScene::SyntheticScene(uint32_t seed, double floor_m) {
   };
   const double side = dice.Sign();  // what is on the left with one seed is on the right in others
 
-  Actor& wall = add({kWall, {0, 0, 6}, {}, 1, 0, RandomMaterial(dice, true)});
+  Actor& wall = add({.shape = kWall, .centre = {0, 0, 6}, .material = RandomMaterial(dice, true)});
   wall.yaw_tangent = dice.Between(-0.06, 0.06);
 
-  add({kFloor, {0, floor_m, 0}, {}, 1, 0, RandomMaterial(dice, true)});
+  add({.shape = kFloor, .centre = {0, floor_m, 0}, .material = RandomMaterial(dice, true)});
 
   // A smooth board near the wall, which only the ToF camera can measure.
-  Actor& board = add({kBox,
-                      {side * dice.Between(0.7, 1.2), dice.Between(-0.6, -0.3), 4.7},
-                      {dice.Between(0.7, 0.9), dice.Between(0.55, 0.75), 0.04},
-                      1,
-                      0,
-                      RandomMaterial(dice, false)});
+  Actor& board = add({.shape = kBox,
+                      .centre = {side * dice.Between(0.7, 1.2), dice.Between(-0.6, -0.3), 4.7},
+                      .half_size = {dice.Between(0.7, 0.9), dice.Between(0.55, 0.75), 0.04},
+                      .material = RandomMaterial(dice, false)});
   board.yaw_tangent = dice.Between(-0.2, 0.2);
   board.x = swing(0.3);
 
   // A crate on the floor, coming and going.
   const double crate_half = dice.Between(0.38, 0.48);
-  Actor& crate = add({kBox,
-                      {-side * dice.Between(0.5, 0.9), floor_m - crate_half, 3.4},
-                      {crate_half, crate_half, crate_half},
-                      1,
-                      0,
-                      RandomMaterial(dice, true)});
+  Actor& crate = add({.shape = kBox,
+                      .centre = {-side * dice.Between(0.5, 0.9), floor_m - crate_half, 3.4},
+                      .half_size = {crate_half, crate_half, crate_half},
+                      .material = RandomMaterial(dice, true)});
   crate.z = swing(0.4);
   crate.yaw = swing(0.35);
 
   // A thin pole: in small images narrower than a matching window.
-  Actor& pole = add({kBox,
-                     {side * dice.Between(0.15, 0.5), floor_m - 1.1, 3.0},
-                     {0.04, 1.1, 0.04},
-                     1,
-                     0,
-                     RandomMaterial(dice, true)});
+  Actor& pole = add({.shape = kBox,
+                     .centre = {side * dice.Between(0.15, 0.5), floor_m - 1.1, 3.0},
+                     .half_size = {0.04, 1.1, 0.04},
+                     .material = RandomMaterial(dice, true)});
   pole.x = swing(0.25);
 
   // A smaller box in front of it.
   const double box_half = dice.Between(0.18, 0.24);
-  Actor& box = add({kBox,
-                    {side * dice.Between(0.3, 0.6), floor_m - box_half, 2.2},
-                    {box_half, box_half, box_half},
-                    1,
-                    0,
-                    RandomMaterial(dice, true)});
+  Actor& box = add({.shape = kBox,
+                    .centre = {side * dice.Between(0.3, 0.6), floor_m - box_half, 2.2},
+                    .half_size = {box_half, box_half, box_half},
+                    .material = RandomMaterial(dice, true)});
   box.yaw_tangent = dice.Between(-0.4, 0.4);
   box.x = swing(0.3);
   box.yaw = swing(0.3);
 
   // A smooth box that hangs in the air and turns.
-  Actor& lamp = add({kBox,
-                     {-side * dice.Between(0.2, 0.6), dice.Between(-0.6, -0.35), 2.5},
-                     {dice.Between(0.2, 0.3), dice.Between(0.12, 0.18), 0.2},
-                     1,
-                     0,
-                     RandomMaterial(dice, false)});
+  Actor& lamp = add({.shape = kBox,
+                     .centre = {-side * dice.Between(0.2, 0.6), dice.Between(-0.6, -0.35), 2.5},
+                     .half_size = {dice.Between(0.2, 0.3), dice.Between(0.12, 0.18), 0.2},
+                     .material = RandomMaterial(dice, false)});
   lamp.y = swing(0.12);
   lamp.yaw = swing(0.6);
 
   // A ball, the nearest of all.
   const double radius = dice.Between(0.17, 0.21);
-  Actor& ball = add({kSphere,
-                     {-side * dice.Between(-0.1, 0.4), dice.Between(0.05, 0.15), 1.5},
-                     {radius, radius, radius},
-                     1,
-                     0,
-                     RandomMaterial(dice, true)});
+  Actor& ball = add({.shape = kSphere,
+                     .centre = {-side * dice.Between(-0.1, 0.4), dice.Between(0.05, 0.15), 1.5},
+                     .half_size = {radius, radius, radius},
+                     .material = RandomMaterial(dice, true)});
   ball.x = swing(0.35);
   ball.y = swing(0.15);
   ball.z = swing(0.15);

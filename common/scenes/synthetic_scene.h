@@ -29,8 +29,8 @@ struct Solid {
 
   Shape shape = Shape::kBox;
   Vec3 centre;
-  Vec3 half_size;      ///< box: half the edges; sphere: radius in all three; planes: not used
-  double cos_yaw = 1;  ///< right-handed rotation about the y axis
+  Vec3 half_size = {};  ///< box: half the edges; sphere: radius in all three; planes: not used
+  double cos_yaw = 1;   ///< right-handed rotation about the y axis
   double sin_yaw = 0;
   Material material;
 };

@@ -22,8 +22,8 @@ double RayLength(const TofCamera& tof, int u, int v) {
 
 TEST(Phasor, IsCosineAndSine) {
   for (double turns = -3; turns < 3; turns += 0.0137) {
-    EXPECT_NEAR(UnitPhasor(turns).real, std::cos(2 * M_PI * turns), 1e-11) << turns;
-    EXPECT_NEAR(UnitPhasor(turns).imaginary, std::sin(2 * M_PI * turns), 1e-11) << turns;
+    EXPECT_NEAR(UnitPhasor(turns).real(), std::cos(2 * M_PI * turns), 1e-11) << turns;
+    EXPECT_NEAR(UnitPhasor(turns).imag(), std::sin(2 * M_PI * turns), 1e-11) << turns;
   }
 }
 

@@ -53,9 +53,9 @@ Room Wall() { return Room({{0, 0, 0.5}}); }
 
 TEST(Phasor, HasThePhaseThatItWasMadeWith) {
   for (double turns = -0.499; turns < 0.5; turns += 0.0037) {
-    const Phasor phasor = Product({3, 0}, UnitPhasor(turns));
+    const Phasor phasor = 3.0 * UnitPhasor(turns);
     EXPECT_NEAR(TurnsOf(phasor), turns, 1e-11);
-    EXPECT_NEAR(TurnsOf(phasor), std::atan2(phasor.imaginary, phasor.real) / (2 * M_PI), 1e-11);
+    EXPECT_NEAR(TurnsOf(phasor), std::arg(phasor) / (2 * M_PI), 1e-11);
   }
   EXPECT_EQ(TurnsOf({0, 0}), 0);
   EXPECT_EQ(TurnsOf({-1, 0}), 0.5);
