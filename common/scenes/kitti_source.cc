@@ -124,9 +124,9 @@ KittiCalibration ReadCalibration(const KittiFolder& folder, const KittiFiles& fi
 }
 
 ConfigError BadPlace(const std::string& place, const std::string& reason) {
-  return ConfigError("capture.source = kitti:" + place + ": " + reason +
-                     "; allowed: FOLDER or FOLDER/ID with image_2/ID_10.png, image_2/ID.png, "
-                     "image_0/ID.png or image_02/data/ID.png, as KITTI has them");
+  return BadSource("kitti:" + place, reason,
+                   "FOLDER or FOLDER/ID with image_2/ID_10.png, image_2/ID.png, "
+                   "image_0/ID.png or image_02/data/ID.png, as KITTI has them");
 }
 
 // In the stereo set the neighbours in time, ID_11.png, are no frames of their own.

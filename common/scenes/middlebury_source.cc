@@ -169,8 +169,8 @@ Scene Read2014(const fs::path& folder, const CaptureConfig& config) {
 Scene ReadScene(const fs::path& folder, const CaptureConfig& config) {
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored)) {
-    throw ConfigError("capture.source = middlebury:" + folder.string() + ": no such folder" +
-                      WhyClosed(folder) + "; allowed: the folder of a Middlebury scene");
+    throw BadSource("middlebury:" + folder.string(), "no such folder" + WhyClosed(folder),
+                    "the folder of a Middlebury scene");
   }
   if (FindImage(folder, k2005.left)) return ReadCoded(k2005, folder, config);
   if (FindImage(folder, k2003.left)) return ReadCoded(k2003, folder, config);

@@ -14,21 +14,15 @@
 namespace sprout::scenes {
 namespace {
 
-ConfigError BadSource(const CaptureConfig& config, const std::string& reason,
-                      const std::string& allowed) {
-  return ConfigError("capture.source = " + config.source() + ": " + reason +
-                     "; allowed: " + allowed);
-}
-
 std::unique_ptr<Dataset> OpenSyntheticText(std::string_view size_text,
                                            const CaptureConfig& config) {
   const std::string allowed = "synthetic:WxH with " + std::to_string(kMinSyntheticSide) + " to " +
                               std::to_string(kMaxSyntheticSide) + " px a side";
   const auto size = ParseSize(size_text);
-  if (!size) throw BadSource(config, "not a size", allowed);
+  if (!size) throw BadSource(config.source(), "not a size", allowed);
   const auto [width, height] = *size;
   if (std::min(width, height) < kMinSyntheticSide || std::max(width, height) > kMaxSyntheticSide) {
-    throw BadSource(config, "size out of range", allowed);
+    throw BadSource(config.source(), "size out of range", allowed);
   }
   return OpenSynthetic({width, height}, config);
 }
@@ -42,7 +36,7 @@ void ApplyOptions(std::string_view kind, const std::vector<SourceOption>& option
     } else if (option.name == "tof") {
       if (!ApplyZones(option.value, config)) config.set_tof(std::string(option.value));
     } else if (!ApplyTofOption(option, /*is_scan=*/kind == "kitti", config)) {
-      throw BadSource(config, "no such option " + std::string(option.text),
+      throw BadSource(config.source(), "no such option " + std::string(option.text),
                       kind == "kitti"
                           ? "?beams=64, 32, 16, 8 or 4, ?tof=none, " + std::string(kScanOptions)
                           : "?tof=grid, ?tof=none, ?tof=sr4000 with " +
@@ -88,8 +82,8 @@ std::unique_ptr<Dataset> OpenDataset(const CaptureConfig& original) {
       "middlebury:DIR, kitti:DIR, kitti:DIR/ID, synthetic:WxH, and for sprout-capture log:FILE, "
       "genicam:RIG, opencv:LEFT,RIGHT, v4l2:DEVICE, ros2:left=TOPIC&right=TOPIC, "
       "mcap:FILE?left=TOPIC&right=TOPIC";
-  throw BadSource(config, kind == "log" ? "only sprout-capture plays logs" : "no such source",
-                  allowed);
+  throw BadSource(config.source(),
+                  kind == "log" ? "only sprout-capture plays logs" : "no such source", allowed);
 }
 
 std::unique_ptr<Dataset> OpenDataset(const std::string& source) {

@@ -93,6 +93,11 @@ bool ApplySr4000Option(const SourceOption& option, Sr4000Config& config) {
 
 }  // namespace
 
+ConfigError BadSource(const std::string& source, const std::string& reason,
+                      const std::string& allowed) {
+  return ConfigError("capture.source = " + source + ": " + reason + "; allowed: " + allowed);
+}
+
 std::vector<SourceOption> SourceOptions(std::string_view text) {
   std::vector<SourceOption> options;
   for (const std::string_view option : SplitAt('&', text)) {

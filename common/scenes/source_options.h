@@ -5,8 +5,13 @@
 #include <vector>
 
 #include "common/config/config.h"
+#include "common/config/config_error.h"
 
 namespace sprout::scenes {
+
+/// A source that cannot be used: "capture.source = log:FILE?a=1: no such option a=1; allowed: ...".
+ConfigError BadSource(const std::string& source, const std::string& reason,
+                      const std::string& allowed);
 
 /// One "name=value" after the '?' of a source.
 struct SourceOption {

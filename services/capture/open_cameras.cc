@@ -19,16 +19,12 @@ constexpr std::string_view kOpenCv = "opencv:";
 constexpr std::string_view kV4l2 = "v4l2:";
 constexpr double kMaxOffsetMs = 1e8;  // a day
 
-ConfigError Bad(const std::string& source, const std::string& reason, const std::string& allowed) {
-  return ConfigError("capture.source = " + source + ": " + reason + "; allowed: " + allowed);
-}
-
 template <typename Number>
 Number NumberOf(const std::string& source, const scenes::SourceOption& option, Number least,
                 Number most, const std::string& allowed) {
   const std::optional<Number> number = ParseNumber<Number>(option.value);
   if (number && *number >= least && *number <= most) return *number;
-  throw Bad(source, "cannot be used: " + std::string(option.text), allowed);
+  throw scenes::BadSource(source, "cannot be used: " + std::string(option.text), allowed);
 }
 
 int Positive(const std::string& source, const scenes::SourceOption& option) {
@@ -43,12 +39,12 @@ std::vector<std::string> PlacesOf(const std::string& source, const std::string& 
       SplitAt(',', std::string_view(place).substr((is_device ? kV4l2 : kOpenCv).size()));
   const size_t most = is_device ? 1 : 2;
   if (names.size() > most || std::ranges::count(names, std::string_view()) > 0) {
-    throw Bad(source, "not one or two places",
-              "opencv:LEFT,RIGHT, opencv:BOTH or v4l2:DEVICE, ?rig=FILE behind it");
+    throw scenes::BadSource(source, "not one or two places",
+                            "opencv:LEFT,RIGHT, opencv:BOTH or v4l2:DEVICE, ?rig=FILE behind it");
   }
   if (names.size() == 2 && names[0] == names[1]) {
-    throw Bad(source, "left and right are both " + std::string(names[0]),
-              "opencv:LEFT,RIGHT, or opencv:BOTH with both views side by side");
+    throw scenes::BadSource(source, "left and right are both " + std::string(names[0]),
+                            "opencv:LEFT,RIGHT, or opencv:BOTH with both views side by side");
   }
   return {names.begin(), names.end()};
 }
@@ -89,8 +85,8 @@ OpenedCameras OpenCameras(const std::string& source, bool loop, scenes::Waiting 
       settings.offset_ms = NumberOf(source, option, -kMaxOffsetMs, kMaxOffsetMs,
                                     "?offset_ms=MS, how much later the right video begins");
     } else {
-      throw Bad(source, "no such option " + std::string(option.text),
-                "?rig=FILE, &width=PX, &height=PX, &fps=HZ, &bits=N, &offset_ms=MS");
+      throw scenes::BadSource(source, "no such option " + std::string(option.text),
+                              "?rig=FILE, &width=PX, &height=PX, &fps=HZ, &bits=N, &offset_ms=MS");
     }
   }
   opened.cameras = OpenVideo(settings);

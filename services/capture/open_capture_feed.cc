@@ -33,8 +33,8 @@ std::unique_ptr<CaptureFeed> OpenLog(const std::string& source, bool loop, Stage
     } else if (option.name == "rig") {
       rig = std::string(option.value);
     } else {
-      throw ConfigError("capture.source = " + source + ": no such option " +
-                        std::string(option.text) + "; allowed: ?prefix=TEXT, ?rig=FILE");
+      throw scenes::BadSource(source, "no such option " + std::string(option.text),
+                              "?prefix=TEXT, ?rig=FILE");
     }
   }
   if (!rig) return OpenLogFeed(path, prefix, loop, monitor);
@@ -49,9 +49,8 @@ std::unique_ptr<CaptureFeed> OpenCameraFeed(const CaptureConfig& config, const F
       OpenCameras(config.source(), options.loop, options.waiting, /*calibrated=*/!options.raw);
   if (options.raw) return RawFeedFrom(std::move(opened.cameras), config, monitor);
   if (!opened.rig) {
-    throw ConfigError("capture.source = " + config.source() +
-                      ": no calibration; allowed: ?rig=FILE with one that sprout-calibrate has "
-                      "written, or --raw");
+    throw scenes::BadSource(config.source(), "no calibration",
+                            "?rig=FILE with one that sprout-calibrate has written, or --raw");
   }
   WarnOfViews(*opened.rig, monitor);
   return FeedFrom(Rectified(std::move(opened.cameras), opened.rig), config, monitor, opened.rig);
@@ -64,8 +63,8 @@ std::unique_ptr<CaptureFeed> OpenCaptureFeed(const CaptureConfig& config,
   if (NamesCameras(config.source())) return OpenCameraFeed(config, options, monitor);
   if (NamesRos(config.source())) return OpenRosFeed(config, options, monitor);
   if (options.raw) {
-    throw ConfigError("capture.source = " + config.source() +
-                      ": --raw is for cameras; allowed: genicam:, opencv:, v4l2:, ros2:, mcap:");
+    throw scenes::BadSource(config.source(), "--raw is for cameras",
+                            "genicam:, opencv:, v4l2:, ros2:, mcap:");
   }
   if (config.source().starts_with(kLog)) return OpenLog(config.source(), options.loop, monitor);
   return FeedFrom(scenes::PlayDataset(scenes::OpenDataset(config), options.loop), config, monitor);

@@ -22,10 +22,10 @@ constexpr std::string_view kMcap = "mcap:";
 constexpr std::string_view kCompressed = "/compressed";
 constexpr std::string_view kCompressedDepth = "/compressedDepth";
 
-ConfigError BadSource(const std::string& source, const std::string& reason) {
-  return ConfigError(
-      "capture.source = " + source + ": " + reason +
-      "; allowed: left=TOPIC&right=TOPIC with left_info, right_info, points, depth, depth_info, "
+ConfigError Bad(const std::string& source, const std::string& reason) {
+  return scenes::BadSource(
+      source, reason,
+      "left=TOPIC&right=TOPIC with left_info, right_info, points, depth, depth_info, "
       "tf=TOPIC, pose=x,y,z,qx,qy,qz,qw (m) of the range sensor in the left image's frame, "
       "rig=FILE, max_spread_ms=0.001 to 1000, bits=8 to 16, and for ros2: domain=0 to 232");
 }
@@ -128,7 +128,7 @@ void RequireDifferentTopics(const std::string& source, const RosSettings& settin
       if (topic.empty()) continue;
       const auto [before, is_new] = names.emplace(topic, name);
       if (is_new) continue;
-      throw BadSource(source, std::string(before->second) + " and " + name + " are both " + topic);
+      throw Bad(source, std::string(before->second) + " and " + name + " are both " + topic);
     }
   };
   require({{"left", settings.left},
@@ -193,22 +193,22 @@ RosSettings ParseRosSource(const std::string& source) {
     scenes::SplitSourceText split = scenes::SplitSource(source);
     settings.file = split.place.substr(kMcap.size());
     options = std::move(split.options);
-    if (settings.file.empty()) throw BadSource(source, "no file");
+    if (settings.file.empty()) throw Bad(source, "no file");
   }
   if (settings.file.empty()) settings.domain = DomainOfEnvironment(source);
   for (const scenes::SourceOption& option : options) {
     if (!Apply(option, settings)) {
-      throw BadSource(source, "cannot be used: '" + std::string(option.text) + "'");
+      throw Bad(source, "cannot be used: '" + std::string(option.text) + "'");
     }
   }
   if (settings.left.empty() || settings.right.empty()) {
-    throw BadSource(source, "no topic of the left or right images");
+    throw Bad(source, "no topic of the left or right images");
   }
   if (!settings.points.empty() && !settings.depth.empty()) {
-    throw BadSource(source, "points and depth: one range sensor");
+    throw Bad(source, "points and depth: one range sensor");
   }
   if (settings.left_from_range && settings.points.empty() && settings.depth.empty()) {
-    throw BadSource(source, "pose, but neither points nor depth");
+    throw Bad(source, "pose, but neither points nor depth");
   }
   CompleteNames(settings);
   RequireDifferentTopics(source, settings);
