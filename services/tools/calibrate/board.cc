@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <string_view>
 
@@ -199,13 +200,9 @@ Eigen::Vector2d Board::extent_m() const {
 cv::Mat1b Board::Modules() const {
   // OpenCV places markers to a pixel, so each module gets several, of which the middle one counts.
   constexpr int kPixels = 5;
-  cv::Mat1b modules(size_.rows * kModulesPerSquare, size_.columns * kModulesPerSquare);
-  const cv::Mat1b picture = aruco::Draw(charuco_, modules.size() * kPixels);
-  for (int row = 0; row < modules.rows; ++row) {
-    for (int column = 0; column < modules.cols; ++column) {
-      modules(row, column) = picture(row * kPixels + kPixels / 2, column * kPixels + kPixels / 2);
-    }
-  }
+  const cv::Size size(size_.columns * kModulesPerSquare, size_.rows * kModulesPerSquare);
+  cv::Mat1b modules;
+  cv::resize(aruco::Draw(charuco_, size * kPixels), modules, size, 0, 0, cv::INTER_NEAREST_EXACT);
   return modules;
 }
 

@@ -63,6 +63,15 @@ RawRig ToRawRig(const RigModel& model) {
 
 }  // namespace
 
+Result<void> CheckFoundRig(const RawRig& rig) {
+  return CheckRawRig(rig).map_error([&](const Error& error) {
+    const Eigen::Vector3d& place_m = rig.left_from_right.translation_m;
+    const bool is_swapped = place_m.x() < -std::abs(place_m.y());
+    return Error{"the calibration cannot be used: " + error.text +
+                 (is_swapped ? "; are the left and the right camera swapped?" : "")};
+  });
+}
+
 Result<Calibration> Calibrate(const Board& board, const std::array<cv::Size, kCameraCount>& sizes,
                               std::vector<BoardView> views) {
   DropPoor(board, views);
@@ -78,11 +87,8 @@ Result<Calibration> Calibrate(const Board& board, const std::array<cv::Size, kCa
     if (!refined) return tl::unexpected(refined.error());
   }
   Calibration calibration{.rig = ToRawRig(refined->model), .quality = {}};
-  if (const Result<void> usable = CheckRawRig(calibration.rig); !usable) {
-    const Eigen::Vector3d& place_m = calibration.rig.left_from_right.translation_m;
-    const bool is_swapped = place_m.x() < -std::abs(place_m.y());
-    return Fail("the calibration cannot be used: " + usable.error().text +
-                (is_swapped ? "; are the left and the right camera swapped?" : ""));
+  if (const Result<void> usable = CheckFoundRig(calibration.rig); !usable) {
+    return tl::unexpected(usable.error());
   }
   calibration.quality = QualityOf(*refined, calibration.rig, views);
   return calibration;

@@ -31,4 +31,8 @@ struct Calibration {
 Result<Calibration> Calibrate(const Board& board, const std::array<cv::Size, kCameraCount>& sizes,
                               std::vector<BoardView> views);
 
+/// Checks a calibration that was found, here or by another program: CheckRawRig(), with what an
+/// error may come from.
+Result<void> CheckFoundRig(const RawRig& rig);
+
 }  // namespace sprout::calibrate

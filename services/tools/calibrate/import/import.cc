@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
 #include <iostream>
 #include <numbers>
 
@@ -12,6 +11,7 @@
 #include "common/rig/rectifier.h"
 #include "common/rig/rig_file.h"
 #include "common/scenes/pfm.h"
+#include "services/tools/calibrate/calibrator.h"
 #include "services/tools/calibrate/import/foreign_rig.h"
 #include "services/tools/calibrate/result_file.h"
 
@@ -94,12 +94,7 @@ int RunImport(const ImportOptions& options) {
   rig.right = LensOf(foreign.right);
   rig.left_from_right = foreign.left_from_right;
   ScaleToMetres(options, rig.left_from_right);
-  if (const Result<void> usable = CheckRawRig(rig); !usable) {
-    const Eigen::Vector3d& place_m = rig.left_from_right.translation_m;
-    const bool is_swapped = place_m.x() < -std::abs(place_m.y());
-    throw ConfigError("the calibration cannot be used: " + usable.error().text +
-                      (is_swapped ? "; are the left and the right camera swapped?" : ""));
-  }
+  Required(CheckFoundRig(rig));
   const Eigen::Vector3d& place = rig.left_from_right.translation_m;
   const double degrees = 180 / std::numbers::pi *
                          Eigen::Quaterniond(rig.left_from_right.rotation)
