@@ -3,13 +3,13 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <ostream>
 #include <string_view>
 #include <utility>
 
 #include "common/config/config_error.h"
 #include "common/core/answer_values.h"
+#include "common/core/disparity_diff.h"
 #include "common/core/image.h"
 
 namespace sprout::check {
@@ -84,15 +84,12 @@ std::string CompareMaps(std::span<const PartValue> answers, std::span<const Part
     const auto& map = MapOf(answers[i]);
     const auto& other = MapOf(recorded[i]);
     if (map.size() != other.size()) continue;
-    pixels += map.counts().total();
-    valid += map.CountValid();
-    for (int v = 0; v < map.height(); ++v) {
-      for (int u = 0; u < map.width(); ++u) {
-        if (!map.IsValid(u, v) || !other.IsValid(u, v)) continue;
-        ++compared;
-        sum += std::abs(map.Px(u, v) - other.Px(u, v));
-      }
-    }
+    const DisparityDiff diff = Compare(map, other);
+    const int64_t valid_here = map.CountValid();
+    pixels += diff.pixels;
+    valid += valid_here;
+    compared += valid_here - diff.newly_invalid;
+    sum += diff.sum_px;
   }
   if (pixels == 0 || compared == 0) return "nothing to compare with the recorded answers";
   return fmt::format(
