@@ -1,10 +1,7 @@
 #include "services/view/server.h"
 
-#include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <chrono>
-#include <thread>
 #include <utility>
 
 #include "common/app/compute.h"
@@ -22,99 +19,77 @@ constexpr std::chrono::seconds kStatusPeriod{1};
 
 }  // namespace
 
-class Server::Impl {
- public:
-  Impl(const std::string& address, uint16_t port, ServerParts parts)
-      : state_(std::move(parts)), acceptor_(state_.sockets), timer_(state_.sockets) {
-    Listen(address, port);
-    asio::post(state_.pictures, LowerPriority);
-    asio::post(state_.requests, LowerPriority);
-    Accept();
-    Tick();
-    thread_ = std::jthread([this] { state_.sockets.run(); });
-  }
-
-  // Handlers that never ran hold connections, which use the rest: they go first.
-  ~Impl() {
-    state_.sockets.stop();
-    thread_.join();
-    state_.pictures.join();
-    state_.requests.join();
-  }
-
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
-
-  uint16_t port() const { return acceptor_.local_endpoint().port(); }
-
-  void FrameChanged() {
-    asio::post(state_.sockets, [this] {
-      for (PageConnection* page : state_.pages) page->Pump();
-    });
-  }
-
- private:
-  void Listen(const std::string& address, uint16_t port) {
-    boost::system::error_code error;
-    const auto numbers = asio::ip::make_address(address, error);
-    if (error) {
-      throw ConfigError("--address " + address + ": allowed is an address in numbers");
-    }
-    const tcp::endpoint endpoint(numbers, port);
-    acceptor_.open(endpoint.protocol(), error);
-    if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
-    if (!error) acceptor_.bind(endpoint, error);
-    if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
-    if (!error) return;
-    const std::string hint = error == asio::error::address_in_use
-                                 ? "; is another sprout-view running? --port chooses another port"
-                                 : "";
-    throw ConfigError(address + ":" + std::to_string(port) + ": " + error.message() + hint);
-  }
-
-  void Accept() {
-    acceptor_.async_accept([this](boost::system::error_code error, tcp::socket socket) {
-      if (error == asio::error::operation_aborted) return;
-      if (error) {  // no descriptor left, say: not at once again
-        retry_.expires_after(std::chrono::milliseconds(100));
-        return retry_.async_wait([this](boost::system::error_code) { Accept(); });
-      }
-      // A client beyond kMaxConnections is disconnected at once.
-      if (state_.connections < kMaxConnections) {
-        boost::system::error_code ignored;
-        socket.set_option(tcp::no_delay(true), ignored);
-        ServeHttp(state_, std::move(socket));
-      }
-      Accept();
-    });
-  }
-
-  void Tick() {
-    timer_.expires_after(kStatusPeriod);
-    timer_.async_wait([this](boost::system::error_code error) {
-      if (error) return;
-      if (!state_.pages.empty()) {
-        const std::string status = state_.parts.status();
-        for (PageConnection* page : state_.pages) page->SendStatus(status);
-      }
-      Tick();
-    });
-  }
-
-  ServerState state_;
-  tcp::acceptor acceptor_;
-  asio::steady_timer timer_;
-  asio::steady_timer retry_{state_.sockets};
-  std::jthread thread_;
-};
-
 Server::Server(const std::string& address, uint16_t port, ServerParts parts)
-    : impl_(std::make_unique<Impl>(address, port, std::move(parts))) {}
+    : state_(std::move(parts)) {
+  Listen(address, port);
+  asio::post(state_.pictures, LowerPriority);
+  asio::post(state_.requests, LowerPriority);
+  Accept();
+  Tick();
+  thread_ = std::jthread([this] { state_.sockets.run(); });
+}
 
-Server::~Server() = default;
+// Handlers that never ran hold connections, which use the rest: they go first.
+Server::~Server() {
+  state_.sockets.stop();
+  thread_.join();
+  state_.pictures.join();
+  state_.requests.join();
+}
 
-uint16_t Server::port() const { return impl_->port(); }
+uint16_t Server::port() const { return acceptor_.local_endpoint().port(); }
 
-void Server::FrameChanged() { impl_->FrameChanged(); }
+void Server::FrameChanged() {
+  asio::post(state_.sockets, [this] {
+    for (PageConnection* page : state_.pages) page->Pump();
+  });
+}
+
+void Server::Listen(const std::string& address, uint16_t port) {
+  boost::system::error_code error;
+  const auto numbers = asio::ip::make_address(address, error);
+  if (error) {
+    throw ConfigError("--address " + address + ": allowed is an address in numbers");
+  }
+  const tcp::endpoint endpoint(numbers, port);
+  acceptor_.open(endpoint.protocol(), error);
+  if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
+  if (!error) acceptor_.bind(endpoint, error);
+  if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
+  if (!error) return;
+  const std::string hint = error == asio::error::address_in_use
+                               ? "; is another sprout-view running? --port chooses another port"
+                               : "";
+  throw ConfigError(address + ":" + std::to_string(port) + ": " + error.message() + hint);
+}
+
+void Server::Accept() {
+  acceptor_.async_accept([this](boost::system::error_code error, tcp::socket socket) {
+    if (error == asio::error::operation_aborted) return;
+    if (error) {  // no descriptor left, say: not at once again
+      retry_.expires_after(std::chrono::milliseconds(100));
+      return retry_.async_wait([this](boost::system::error_code) { Accept(); });
+    }
+    // A client beyond kMaxConnections is disconnected at once.
+    if (state_.connections < kMaxConnections) {
+      boost::system::error_code ignored;
+      socket.set_option(tcp::no_delay(true), ignored);
+      ServeHttp(state_, std::move(socket));
+    }
+    Accept();
+  });
+}
+
+void Server::Tick() {
+  timer_.expires_after(kStatusPeriod);
+  timer_.async_wait([this](boost::system::error_code error) {
+    if (error) return;
+    if (!state_.pages.empty()) {
+      const std::string status = state_.parts.status();
+      for (PageConnection* page : state_.pages) page->SendStatus(status);
+    }
+    Tick();
+  });
+}
 
 }  // namespace sprout::view

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <set>
 #include <string>
+#include <thread>
+#include <utility>
 
 #include "common/app/log_limiter.h"
 #include "services/view/frame_encoder.h"
@@ -24,6 +27,22 @@ struct ServerParts {
   std::function<std::string()> hello;   ///< JSON, the first message to a page; any thread
   std::function<std::string()> status;  ///< JSON, once a second; any thread
   size_t keep_bytes = 0;                ///< see PausedFrameBudget
+};
+
+class PageConnection;
+
+/// State shared by a server's connections. Used only on the thread of the sockets.
+struct ServerState {
+  explicit ServerState(ServerParts what) : parts(std::move(what)), budget(parts.keep_bytes) {}
+
+  ServerParts parts;
+  PausedFrameBudget budget;
+  int connections = 0;
+  LimitedWarnings bad_pages;
+  std::set<PageConnection*> pages;
+  boost::asio::io_context sockets{1};
+  boost::asio::thread_pool pictures{1};
+  boost::asio::thread_pool requests{1};
 };
 
 /// Serves pages: HTTP requests, and WebSockets (at /ws) with frames and statuses.
@@ -53,24 +72,15 @@ class Server {
   void FrameChanged();
 
  private:
-  class Impl;
-  std::unique_ptr<Impl> impl_;
-};
+  void Listen(const std::string& address, uint16_t port);
+  void Accept();
+  void Tick();
 
-class PageConnection;
-
-/// State shared by a server's connections. Used only on the thread of the sockets.
-struct ServerState {
-  explicit ServerState(ServerParts what) : parts(std::move(what)), budget(parts.keep_bytes) {}
-
-  ServerParts parts;
-  PausedFrameBudget budget;
-  int connections = 0;
-  LimitedWarnings bad_pages;
-  std::set<PageConnection*> pages;
-  boost::asio::io_context sockets{1};
-  boost::asio::thread_pool pictures{1};
-  boost::asio::thread_pool requests{1};
+  ServerState state_;
+  boost::asio::ip::tcp::acceptor acceptor_{state_.sockets};
+  boost::asio::steady_timer timer_{state_.sockets};
+  boost::asio::steady_timer retry_{state_.sockets};
+  std::jthread thread_;
 };
 
 /// Counts a connection during its life.
