@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "common/app/version.h"
+#include "common/bus/channels.h"
 #include "common/config/config_error.h"
 #include "common/core/input_files.h"
 #include "common/core/printable.h"
@@ -72,6 +73,11 @@ int RunProgram(Flags& flags, int argc, const char* const* argv, const std::funct
   if (std::cout.flush()) return exit_code;
   std::cerr << flags.program() << ": cannot write to stdout\n";  // a full disk
   return exit_code == 0 ? 1 : exit_code;
+}
+
+void RequireChannelPrefix(const std::string& prefix) {
+  if (IsChannelPrefix(prefix)) return;
+  throw ConfigError("--channel-prefix '" + prefix + "': allowed are " + AllowedChannelPrefix());
 }
 
 int RefusingLogs(const std::function<int()>& body) {

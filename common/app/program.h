@@ -19,6 +19,9 @@ int RunProgram(Flags& flags, int argc, const char* const* argv, const std::funct
 /// For programs whose flags name logs: a LogError of `body` becomes a ConfigError, so exit code 2.
 int RefusingLogs(const std::function<int()>& body);
 
+/// @throws ConfigError when the value of --channel-prefix cannot be the prefix of every channel.
+void RequireChannelPrefix(const std::string& prefix);
+
 /// For a failure due to a limit of this process, for which the system only says "Resource
 /// temporarily unavailable" or "std::bad_alloc": names the limit, as ": ..." to append to the
 /// message. Otherwise empty.

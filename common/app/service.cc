@@ -14,7 +14,6 @@
 #include "common/app/program.h"
 #include "common/app/supervision.h"
 #include "common/app/version.h"
-#include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
 #include "common/core/digest.h"
 #include "common/core/signal_watcher.h"
@@ -45,11 +44,6 @@ std::string ConfigNames(const std::vector<std::string>& files) {
   std::string names = fmt::format("{}", fmt::join(files, ", "));
   std::ranges::replace(names, '\n', ' ');
   return names.size() <= kMaxLetters ? names : names.substr(0, kMaxLetters) + "...";
-}
-
-void RequireValidPrefix(const std::string& prefix) {
-  if (IsChannelPrefix(prefix)) return;
-  throw ConfigError("--channel-prefix '" + prefix + "': allowed are " + AllowedChannelPrefix());
 }
 
 void RequireValidUrl(const std::string& url) {
@@ -127,7 +121,7 @@ int Service::RunChecked(const Body& body, const ApplyFlags& apply_flags) {
                          .stop = {}};
   if (apply_flags) apply_flags(context.config);
   RequireInRange(context.config, "");
-  RequireValidPrefix(prefix_);
+  RequireChannelPrefix(prefix_);
   const bool is_live = !context.replay && !flags_.HasCommand();
   if (is_live) RequireValidUrl(lcm_url_);
   KeepMemory();

@@ -8,13 +8,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <fstream>
-#include <iostream>
 #include <map>
 #include <utility>
 
 #include "common/app/process.h"
+#include "common/app/program.h"
 #include "common/app/progress.h"
-#include "common/bus/channels.h"
 #include "common/config/config_error.h"
 #include "common/core/digest.h"
 #include "common/core/input_files.h"
@@ -68,10 +67,7 @@ Manifest SettingsOf(const BatchRequest& request, const std::string& program) {
   manifest.set_format(kManifestFormat);
   RequireStages("--stages", request.stages);
   for (const std::string& stage : request.stages) manifest.add_stage(stage);
-  if (!IsChannelPrefix(request.prefix)) {
-    throw ConfigError(fmt::format("--channel-prefix '{}': allowed are {}",
-                                  Printable(request.prefix), AllowedChannelPrefix()));
-  }
+  RequireChannelPrefix(request.prefix);
   manifest.set_channel_prefix(request.prefix);
   manifest.set_tables(FileDigest(program));
   return manifest;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "common/app/output_paths.h"
+#include "common/app/program.h"
 #include "common/app/progress.h"
 #include "common/bus/channels.h"
 #include "common/bus/mailbox.h"
@@ -195,6 +196,7 @@ std::string EstimateCommand(const Board& board, const fs::path& folder) {
 
 int RunWatch(const Board& board, const WatchOptions& options) {
   if (const auto error = LcmUrlError(options.lcm_url)) throw ConfigError("--lcm-url: " + *error);
+  RequireChannelPrefix(options.prefix);
   const SignalWatcher signals;
   ViewFolder views(board, options.out);
   RawFrames frames(options);

@@ -14,7 +14,6 @@
 #include "common/app/output_paths.h"
 #include "common/app/program.h"
 #include "common/app/version.h"
-#include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
 #include "common/config/config_error.h"
 #include "common/core/number_text.h"
@@ -263,10 +262,7 @@ class Run {
     NoteFolder();
     if (!options.json.empty()) RequireWritableFile("--json", options.json);
     if (!options.report.empty()) RequireWritableFile("--report", options.report);
-    if (!IsChannelPrefix(options.live.prefix)) {
-      throw ConfigError("--channel-prefix " + options.live.prefix +
-                        ": allowed: " + AllowedChannelPrefix());
-    }
+    RequireChannelPrefix(options.live.prefix);
   }
 
   int Measure() {

@@ -246,6 +246,8 @@ TEST_F(CalibrateProgram, TellsACommandThatWorksWhereThereIsARigFileAndWhereThere
 
 TEST_F(CalibrateProgram, RefusesFlagsThatMakeNoSense) {
   ExpectRefused({}, 2, "which command?");
+  ExpectRefused({"watch", "--channel-prefix", "a b", "--out", File("views")}, 2,
+                "--channel-prefix 'a b': allowed are up to");
   ExpectRefused({"board", "--squares", "11", "--out", File("board.svg")}, 2,
                 "--squares 11: allowed is COLUMNSxROWS");
   ExpectRefused({"board", "--squares", "11x8x", "--out", File("board.svg")}, 2, "COLUMNSxROWS");
