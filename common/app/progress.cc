@@ -7,7 +7,6 @@
 #include <chrono>
 #include <iostream>
 #include <string>
-#include <string_view>
 
 #include "common/core/printable.h"
 #include "common/core/sleep.h"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "common/app/log.h"
 #include "common/app/supervision.h"
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"

@@ -2,8 +2,6 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <algorithm>
-
 #include "common/geometry/projection.h"
 #include "common/rig/rectifier.h"
 #include "common/rig/rig_file.h"

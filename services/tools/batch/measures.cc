@@ -7,7 +7,6 @@
 
 #include "common/core/disparity_diff.h"
 #include "common/frames/log_frames.h"
-#include "common/logfile/log_error.h"
 #include "common/logfile/log_reader.h"
 #include "common/measure/frame_quality.h"
 

@@ -6,7 +6,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <string_view>
-#include <utility>
 
 #include "common/config/required.h"
 #include "common/core/image.h"

@@ -16,7 +16,6 @@
 #include "common/app/progress.h"
 #include "common/bus/channels.h"
 #include "common/bus/lcm_url.h"
-#include "common/config/config.h"
 #include "common/config/required.h"
 #include "common/core/number_text.h"
 #include "common/picture/eight_bits.h"
