@@ -76,6 +76,14 @@ def wait_for_server():
     raise RuntimeError("sprout-view does not answer")
 
 
+def open_log(browser, programs, log, *flags):
+    """The page of a log, instead of what sprout-view showed before."""
+    programs.stop("view")
+    programs.start("view", "--log", log, *flags)
+    wait_for_server()
+    browser.open(URL)
+
+
 def picture(browser, pane):
     """What a pane shows, as a text that changes with it."""
     return browser.run("return document.querySelector(arguments[0]).toDataURL()", f".{pane} canvas")
@@ -333,17 +341,11 @@ def check_measuring(browser, programs, log):
 
 
 def check_log_at_frame(browser, programs, log, seq):
-    programs.stop("view")
-    programs.start("view", "--log", log, "--frame", str(seq))
-    wait_for_server()
-    browser.open(URL)
+    open_log(browser, programs, log, "--frame", str(seq))
     check("a log opens at the frame that is asked for", browser.wait(f"window.sprout && sprout.frames > 0 && sprout.head.seq == {seq}"))
     browser.press("ArrowLeft")
     check("and stays a log to step through", browser.wait(f"sprout.head.seq == {seq - 1}"))
-    programs.stop("view")
-    programs.start("view", "--log", log, "--frame", "987654")
-    wait_for_server()
-    browser.open(URL)
+    open_log(browser, programs, log, "--frame", "987654")
     check("a frame that is not there is said to be missing", browser.wait(
         "document.getElementById('banner').textContent.includes('no frame 987654')"))
 
@@ -352,10 +354,7 @@ def check_answers_alone(browser, programs, log, folder):
     """The log of a replay has neither images nor calibration."""
     seeds = folder / "seeds.lcm"
     subprocess.run([programs.folder / "sprout-refine", "--replay", log, "--record", seeds], check=True)
-    programs.stop("view")
-    programs.start("view", "--log", seeds)
-    wait_for_server()
-    browser.open(URL)
+    open_log(browser, programs, seeds)
     browser.wait("window.sprout && sprout.key == 0 && sprout.frames > 0")
     browser.press("ArrowRight")
     check("a log without images can be stepped through", browser.wait("sprout.key == 1"))
