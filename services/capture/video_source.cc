@@ -19,7 +19,7 @@
 #include "common/core/read_text.h"
 #include "common/core/sleep.h"
 #include "common/picture/eight_bits.h"
-#include "services/capture/genicam/triplet_synchronizer.h"
+#include "services/capture/triplet_synchronizer.h"
 
 namespace sprout::capture {
 namespace {

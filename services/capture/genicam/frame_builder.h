@@ -9,7 +9,7 @@
 #include "common/scenes/frame_source.h"
 #include "services/capture/genicam/camera.h"
 #include "services/capture/genicam/device_clock.h"
-#include "services/capture/genicam/triplet_synchronizer.h"
+#include "services/capture/triplet_synchronizer.h"
 
 namespace sprout::capture {
 

@@ -10,8 +10,8 @@
 
 #include "common/picture/eight_bits.h"
 #include "common/scenes/frame_source.h"
-#include "services/capture/genicam/triplet_synchronizer.h"
 #include "services/capture/ros2/ros_input.h"
+#include "services/capture/triplet_synchronizer.h"
 
 namespace sprout::capture {
 

@@ -1,4 +1,4 @@
-#include "services/capture/genicam/triplet_synchronizer.h"
+#include "services/capture/triplet_synchronizer.h"
 
 #include <gmock/gmock.h>
 
