@@ -184,7 +184,8 @@ bool RangeBias::JudgePair(const RangeInput& input, const RangeSettings& settings
                     .infinity_px = input.rig.pair.cx - input.rig.pair.cx_right},
                    matches);
     error_.pair_unfit =
-        error_.rows_shifted || MatchedElsewhere(input, matches) <= RangeRules::kMatchedShare;
+        error_.rows_shifted ||
+        MatchedElsewhere(input, matches) <= RangeRules::MatchedShare(error_.contradicted_share);
   }
   error_.rejected = many && !error_.pair_unfit;
   if (error_.ShowsNothing()) error_.curve.clear();

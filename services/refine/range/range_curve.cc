@@ -175,7 +175,7 @@ double RangeCurve::BestFactor(std::span<const RangeNode> nodes, const RectifiedP
     best = factor;
     least = cost;
   };
-  constexpr int kSteps = static_cast<int>(RangeRules::kMostOfDepth / RangeRules::kFactorStep);
+  constexpr int kSteps = static_cast<int>(RangeRules::kMaxFactor / RangeRules::kFactorStep);
   for (int k = -kSteps; k <= kSteps; ++k) try_factor(k * step);
   const double middle = best;
   for (const double part : {-0.5, -0.25, 0.25, 0.5}) try_factor(middle + part * step);
@@ -187,6 +187,7 @@ double RangeCurve::BestFactor(std::span<const RangeNode> nodes, const RectifiedP
 void RangeCurve::TryScale(std::span<const RangeNode> nodes, const RectifiedPair& pair) {
   const double constant_m = BestFactor(nodes, pair, 0);
   const double part = BestFactor(nodes, pair, 1);
+  if (std::abs(part) > RangeRules::kMostOfDepth) return;  // no sensor's: the curve shows it
   const auto scaled = [&](double depth_m) { return part * depth_m; };
   const auto is_worse_than = [&](const auto& error_at) {
     return GainInSigmas(nodes, pair, scaled, error_at) < -RangeRules::kOtherSigmas;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 
 namespace sprout::refine {
@@ -53,6 +54,7 @@ struct RangeRules {
   /// better by so many standard deviations: of +0.2 and +1 m a constant is by 2.8 and more, of
   /// ranges that are 5 and 10 % long or short in two thirds of the frames by less, or it is worse.
   static constexpr double kFactorStep = 0.005;
+  static constexpr double kMaxFactor = 0.3;  ///< more than kMostOfDepth, to know what is beyond
   static constexpr double kOtherSigmas = 2.5;
   /// How far from a knot that has texture, m of depth, one that has not still follows it a little.
   /// With 0 a white wall keeps an error of 20 mm that all else shows, without end it gets one that
@@ -130,13 +132,17 @@ struct RangeRules {
   /// If more nodes than this share are contradicted, no point is believed: right sensors have up to
   /// 0.19 (a scan of 16 beams), mirrored range images 0.27 and more.
   static constexpr double kRejectedShare = 0.22;
-  /// But only if stereo has a match that fits, and is so many px off, at this share of them, so
-  /// near, in parts of the picture's width: at 0.38 and more where ranges are mirrored, upside down
-  /// or in a wrong unit, in dull scenes at 0.24 and more; at 0.20 and less where the images are
-  /// turned, striped, negative, of different focus or of different scenes. From 1 px on rows that
-  /// are off have up to 0.36, from 2 px on a mirrored flat scene 0.01.
+  /// But only if stereo has a match that fits, and is so many px off, so near, in parts of the
+  /// picture's width, at a share of them. Where half of the nodes are contradicted it is 0.48 and
+  /// more with ranges that are mirrored, upside down or in a wrong unit, 0.28 and less beside
+  /// images that are turned, striped, negative, of different focus or of different scenes. Of fewer
+  /// nodes, whose images fit elsewhere, and of nearly all, in dull scenes, it is less: wrong ranges
+  /// 0.34 of 0.34, 0.24 of 0.99, such pairs 0.20 of 0.36, 0.13 of 0.9. From 1 px on rows that are
+  /// off have more, from 2 px on a mirrored flat scene 0.01.
   static constexpr double kElsewherePx = 1.5;
-  static constexpr double kMatchedShare = 0.22;
+  static double MatchedShare(double contradicted) {
+    return std::min(0.85 * contradicted, 0.44 * (1 - contradicted / 2));
+  }
   static constexpr double kMatchReach = 0.01;
   /// Where so many do the rows do fit, whatever the nodes say: at 0.66 and more where they fit
   /// other rows by chance, as one in ten of KITTI's frames does with ranges twice or 1000 times too
