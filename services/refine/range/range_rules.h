@@ -146,7 +146,7 @@ struct RangeRules {
   static constexpr double kMatchReach = 0.01;
   /// Where so many do the rows do fit, whatever the nodes say: at 0.66 and more where they fit
   /// other rows by chance, as one in ten of KITTI's frames does with ranges twice or 1000 times too
-  /// long; at 0.31 and less where rows are off.
+  /// long; at 0.33 and less where rows are off.
   static constexpr double kMatchedOnOwnRows = 0.45;
   /// Of frames with less signs of a wrong sensor it is asked, too, if nodes cost more than this in
   /// the mean: wrong sensors have up to 0.31, a blurred or covered camera 0.32 to 0.68.
