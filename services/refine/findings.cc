@@ -14,7 +14,7 @@
 namespace sprout::refine {
 namespace {
 
-// Disparities are claimed to be right within so much.
+// Maps are meant to be right within 1 px: a larger shift makes a frame degenerate.
 constexpr double kSurelyOffPx = 1;
 
 std::string NoSeedsText(const SeedSet& seeds, bool stereo_seeds) {
@@ -76,7 +76,7 @@ std::string PlaceText(const SensorPlace& place) {
       WhereText(place), 100 * place.agree_moved, 100 * place.agree_as_is);
 }
 
-// Why all range points are refused, or should be, or the images say nothing of them.
+// Why no range point is believed, or should be, or why the images cannot judge them.
 std::string RefusalText(const RefineFindings& found) {
   const RangeError& error = found.range_error;
   if (found.sensor_place.is_displaced) return PlaceText(found.sensor_place);
@@ -134,7 +134,7 @@ std::vector<RangeKnot> ShownKnots(const std::vector<RangeKnot>& curve) {
 // depth and where it is most, and what share of the points was moved. Empty for a sensor that is
 // right; nothing when the images do not show it, or contradict too many points.
 std::optional<std::string> RangeErrorText(const RangeError& error) {
-  if (error.curve.empty() || error.Refuses()) return std::nullopt;
+  if (error.curve.empty() || error.RejectsAll()) return std::nullopt;
   const std::string moved = fmt::format("{:.0f} % of its points were moved by more than {} px",
                                         100 * error.far_moved_share, RangeRules::kFarMovePx);
   if (error.curve_is_zero) {
@@ -188,7 +188,7 @@ std::string DegenerateText(const RefineFindings& found, const SeedSet& seeds, bo
 
 std::optional<std::string> FindingText(const RefineFindings& found) {
   std::optional<std::string> text = RangeErrorText(found.range_error);
-  // What a sensor's edges seem to be, whose points lie elsewhere, would mislead.
+  // Where no point is believed, what its edges look like would mislead.
   if (found.range_error.rejected) return text;
   const auto put_first = [&](const std::string& finding) {
     text = JoinedTexts(finding, text.value_or(""));

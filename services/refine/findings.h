@@ -19,13 +19,13 @@ struct RefineFindings {
   /// How far off the points were projected, with align_tof; if IsOff(), they were moved before all
   /// rules. Not sure when no offset was searched.
   TofOffset tof_offset;
-  ScanMove scan_move;      ///< the same of a lidar's scan; its points were moved if it is_off
+  ScanMove scan_move;      ///< the same for a lidar's scan; its points were moved if is_off
   RangeError range_error;  ///< how far the sensor is off, with range_bias
-  /// Where the points belong, if that was asked. If the sensor is displaced no point is believed.
+  /// Where stereo shows the points, if they were doubtful; no point is believed if is_displaced.
   SensorPlace sensor_place;
-  Contradiction contradiction;  ///< by stereo, if that was asked: such points were dropped
-  Smoothing smoothing;          ///< a smoothed range image: what lies beside its edges was dropped
-  Fattening fattening;  ///< near surfaces reached beyond their edges: there points were dropped
+  Contradiction contradiction;  ///< points that stereo contradicts; they were dropped
+  Smoothing smoothing;          ///< a smoothed range image: points beside its edges were dropped
+  Fattening fattening;  ///< near surfaces reached beyond their edges: points there were dropped
   /// Most points that are neither outside nor dark were loose: then all are.
   bool are_noise = false;
   size_t unanswered_cells = 0;  ///< of stereo, see StereoSeedFinder

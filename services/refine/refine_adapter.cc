@@ -71,10 +71,10 @@ Result<SeedSet> RefineAdapter::Refine(const Frame& frame) {
   return refiner_.Compute(left, right, *frame.tof, ProjectorOf(*frame.rig), zones);
 }
 
-// What there is to find in a frame that is looked at.
+// How far the ToF camera is off in a frame that is due for this check; else nothing.
 TofOffsetStatus RefineAdapter::OffsetOf(const Frame& frame) {
   if (frame.tof->depth_m.empty() || check_tof_every_ == 0) return {};
-  if (!pose_turn_.Take(frame.id, check_tof_every_)) return {};
+  if (!pose_checks_.IsDue(frame.id, check_tof_every_)) return {};
   TofOffset offset = refiner_.found().tof_offset;
   if (!aligns_tof_) {
     const TofProjector& projector = ProjectorOf(*frame.rig);
@@ -91,13 +91,13 @@ TofOffsetStatus RefineAdapter::OffsetOf(const Frame& frame) {
           .is_off = offset.IsOff()};
 }
 
-// Whether the frame was one that is looked at.
+// Checks the input of a frame that is due for it; returns whether it was.
 bool RefineAdapter::CheckInput(const Frame& frame) {
   if (check_inputs_every_ == 0) return false;
   const bool has_tof = !frame.tof->depth_m.empty();
-  const bool is_turn = pair_turn_.Take(frame.id, check_inputs_every_);
-  const bool is_tofs_turn = has_tof && tof_turn_.Take(frame.id, check_inputs_every_);
-  if (!is_turn && !is_tofs_turn) return false;
+  const bool is_due = pair_checks_.IsDue(frame.id, check_inputs_every_);
+  const bool is_tof_due = has_tof && tof_checks_.IsDue(frame.id, check_inputs_every_);
+  if (!is_due && !is_tof_due) return false;
   const cv::Mat1b left = ToGrey(GreyestLeft(frame), left_grey_);
   const cv::Mat1b right = ToGrey(GreyestRight(frame), right_grey_);
   const TofProjector* const projector = has_tof ? &ProjectorOf(*frame.rig) : nullptr;
@@ -122,16 +122,16 @@ bool RefineAdapter::HasPointsBelowZero(const Frame& frame, double share) {
   return static_cast<double>(below) > share * static_cast<double>(points.size());
 }
 
-// The seeds of a frame whose far points may have negative disparities.
-RefineAdapter::Refined RefineAdapter::RefineWhole(const Frame& frame) {
+// Refines a frame whose far points may have negative disparities.
+RefineAdapter::Refined RefineAdapter::RefineAnySign(const Frame& frame) {
   // Some points and matches are wrong in every frame, and a longer search finds more wrong ones.
   constexpr double kMinShare = 0.01;
   refiner_.SetColumns(0);  // also after a frame that ended with an exception
   refiner_.SetInfinity(InfinityPx(frame.rig->pair));
   const int columns = ColumnsBelowZero(frame.rig->pair);
-  if (columns == 0 || frame.left.size() != frame.rig->pair.size()) return RefineFrom0(frame);
+  if (columns == 0 || frame.left.size() != frame.rig->pair.size()) return RefineNonNegative(frame);
   if (columns > kMaxColumns) {
-    Refined result = RefineFrom0(frame);
+    Refined result = RefineNonNegative(frame);
     if (result.answer.degenerate.empty()) {
       result.answer.degenerate = "cx_right - cx is above " + std::to_string(kMaxColumns) +
                                  " px, and far points with negative disparities are not looked for";
@@ -144,7 +144,7 @@ RefineAdapter::Refined RefineAdapter::RefineWhole(const Frame& frame) {
   std::optional<Refined> result;
   // Most rigs of this kind look at nothing so far away. That is seen at a tenth of the cost.
   if (!HasPointsBelowZero(frame, kMinShare)) {
-    result = RefineFrom0(frame);
+    result = RefineNonNegative(frame);
     if (!result->fits ||
         static_cast<double>(refiner_.found().unanswered_cells) <= share_of(*result)) {
       return std::move(*result);
@@ -157,12 +157,12 @@ RefineAdapter::Refined RefineAdapter::RefineWhole(const Frame& frame) {
   }
   const Frame wide_frame = Widened(frame, columns);
   refiner_.SetColumns(columns);
-  Refined wide = RefineFrom0(wide_frame);
+  Refined wide = RefineNonNegative(wide_frame);
   refiner_.SetColumns(0);
   Narrow(wide.answer, columns, frame.left.size());
   const SeedCounts counts = CountsOf(wide.answer);
   if (static_cast<double>(counts.negative_tof) > share_of(wide)) return wide;
-  if (!result) result = RefineFrom0(frame);
+  if (!result) result = RefineNonNegative(frame);
   const bool is_better =
       static_cast<double>(counts.negative_tof + counts.negative_stereo) > share_of(wide) &&
       counts.all >= CountsOf(result->answer).all;
@@ -170,7 +170,7 @@ RefineAdapter::Refined RefineAdapter::RefineWhole(const Frame& frame) {
 }
 
 // Refines a frame as if no disparity could be negative.
-RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
+RefineAdapter::Refined RefineAdapter::RefineNonNegative(const Frame& frame) {
   Result<SeedSet> seeds = Refine(frame);
   Refined refined{.answer = {}, .fits = seeds.has_value()};
   StageResult& outcome = refined.answer;
@@ -181,7 +181,7 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
   }
   const RangeError& error = refiner_.found().range_error;
   outcome.degenerate = DegenerateText(refiner_.found(), *seeds, finds_stereo_seeds_);
-  outcome.ranges_refused = error.Refuses() || refiner_.found().are_noise;
+  outcome.ranges_refused = error.RejectsAll() || refiner_.found().are_noise;
   outcome.finding = FindingText(refiner_.found());
   outcome.outputs.push_back({Part::kSeeds, *std::move(seeds)});
   outcome.outputs.push_back({Part::kLeftSeeds, refiner_.left_seeds()});
@@ -189,7 +189,7 @@ RefineAdapter::Refined RefineAdapter::RefineFrom0(const Frame& frame) {
 }
 
 StageResult RefineAdapter::ProcessNative(const Frame& frame) {
-  Refined refined = RefineWhole(frame);
+  Refined refined = RefineAnySign(frame);
   StageResult& outcome = refined.answer;
   if (!refined.fits) return std::move(refined.answer);
   outcome.tof_offset = OffsetOf(frame);

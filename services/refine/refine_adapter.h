@@ -46,12 +46,12 @@ class RefineAdapter : public StageAdapter {
     bool fits = true;  // whether images and range image have the sizes of the calibration
   };
 
-  // Which frames are looked at.
-  class Turn {
+  // Says which frames a costly check looks at.
+  class CheckSchedule {
    public:
-    // Whether a frame is the first of a calibration, or the first that came of `every` numbers:
-    // under load any may be skipped.
-    bool Take(const FrameId& id, int64_t every) {
+    // Whether a frame is the first of a calibration, or the first of `every` frame numbers that was
+    // not skipped under load.
+    bool IsDue(const FrameId& id, int64_t every) {
       const std::pair turn(id.rig_id, id.seq / every);
       return std::exchange(newest_, turn) != turn;
     }
@@ -62,8 +62,8 @@ class RefineAdapter : public StageAdapter {
 
   bool HasPointsBelowZero(const Frame& frame, double share);
   StageResult ProcessNative(const Frame& frame);
-  Refined RefineWhole(const Frame& frame);
-  Refined RefineFrom0(const Frame& frame);
+  Refined RefineAnySign(const Frame& frame);
+  Refined RefineNonNegative(const Frame& frame);
   const TofProjector& ProjectorOf(const Rig& rig);
   Result<SeedSet> Refine(const Frame& frame);
   TofOffsetStatus OffsetOf(const Frame& frame);
@@ -78,9 +78,9 @@ class RefineAdapter : public StageAdapter {
   int64_t check_tof_every_;
   int64_t check_inputs_every_;
   double unambiguous_range_m_;
-  Turn pose_turn_;
-  Turn pair_turn_;
-  Turn tof_turn_;
+  CheckSchedule pose_checks_;
+  CheckSchedule pair_checks_;
+  CheckSchedule tof_checks_;
   std::string wrong_input_;  // by the newest check
   inputs::RangeWatch range_watch_;
   inputs::HangWatch hang_watch_;

@@ -73,7 +73,8 @@ Result<SeedSet> Refiner::Compute(const cv::Mat1b& left, const cv::Mat1b& right, 
     surface_.Set(rig, points_);
     for (ProjectedPoint& point : points_) point.seed.sigma_px = 0;
     if (config_.align_tof()) Align(left, right, tof, projector);
-    if (config_.range_bias() != RefineConfig::OFF) MoveToTruth(left, right, tof, projector, result);
+    if (config_.range_bias() != RefineConfig::OFF)
+      CorrectRanges(left, right, tof, projector, result);
     AddNoise(left, right);
     KeepReliable(left, right, tof, result);
     KeepVisible(left, right, result);
@@ -103,7 +104,7 @@ void Refiner::AddStereo(const cv::Mat1b& left, const cv::Mat1b& right, const Cel
   result.seeds.insert(result.seeds.end(), stereo.begin(), stereo.end());
 }
 
-// What the estimates of the range sensor's errors look at.
+// The frame as the estimates of the range sensor's errors take it.
 RangeInput Refiner::InputOf(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig) {
   return {.left = left,
           .right = right,
@@ -113,7 +114,7 @@ RangeInput Refiner::InputOf(const cv::Mat1b& left, const cv::Mat1b& right, const
           .coarse = stereo_.IsCoarse(surface_.spacing_px(), left.cols)};
 }
 
-// Puts a sensor right whose pose or moment is off.
+// Moves the points of a sensor whose pose is off, or whose scan is of another moment.
 void Refiner::Align(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                     const TofProjector& projector) {
   const Rig& rig = projector.rig();
@@ -155,9 +156,9 @@ void Refiner::DropBesideEdges(const cv::Mat1b& left, const cv::Mat1b& right, con
   surface_.Set(rig, points_);
 }
 
-// Takes back what the images had moved and dropped so far: those that do not fit each other on any
-// rows put no sensor right.
-void Refiner::TakeBack(const Rig& rig, SeedSet& result) {
+// Undoes what was moved and dropped so far: images that do not fit each other cannot correct a
+// sensor.
+void Refiner::UndoCorrections(const Rig& rig, SeedSet& result) {
   if (found_.fattening) {
     result.contradicted -= static_cast<int32_t>(before_fattening_.size() - points_.size());
     points_ = before_fattening_;
@@ -176,15 +177,15 @@ void Refiner::TakeBack(const Rig& rig, SeedSet& result) {
 }
 
 // Moves the points to where the images show them, and drops those that they contradict.
-void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
-                          const TofProjector& projector, SeedSet& result) {
+void Refiner::CorrectRanges(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
+                            const TofProjector& projector, SeedSet& result) {
   const Rig& rig = projector.rig();
   DropBesideEdges(left, right, rig, result);
   const auto is_displaced = [&] {
     found_.range_error = range_.Apply(
         InputOf(left, right, rig),
         {.field = config_.range_bias() == RefineConfig::FIELD,
-         .errs = bool{found_.fattening},
+         .has_wrong_edges = bool{found_.fattening},
          .error_m = config_.range_error_m(),
          .matches = [&] { return stereo_.Find(left, right, {}, {}, 0, zones_.most_px()); }},
         points_);
@@ -193,8 +194,8 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
   if (is_displaced() && !(AlignAgain(left, right, rig) && !is_displaced())) {
     found_.range_error.rejected = true;
   }
-  const bool shows_nothing = found_.range_error.ShowsNothing();
-  if (shows_nothing) TakeBack(rig, result);
+  const bool is_unknown = found_.range_error.IsUnknown();
+  if (is_unknown) UndoCorrections(rig, result);
   const float smoothed_px = found_.smoothing ? SurfaceRules::kSmoothedSigmaPx : 0;
   for (size_t i = 0; i < points_.size(); ++i) {
     float& sigma_px = points_[i].seed.sigma_px;
@@ -203,7 +204,7 @@ void Refiner::MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const T
     sigma_px = std::hypot(sigma_px, smoothed_px);
   }
   AddStepSigma(rig.pair, tof, points_);
-  if (shows_nothing) return;
+  if (is_unknown) return;
   const auto is_contradicted = [&](size_t i) {
     return found_.range_error.rejected || range_.contradicted()[i] != 0 ||
            (!found_.contradiction.points.empty() && found_.contradiction.points[i] != 0);
@@ -274,15 +275,16 @@ void Refiner::AddNoise(const cv::Mat1b& left, const cv::Mat1b& right) {
   }
 }
 
-// Where the ToF camera sees something. What it says of dark regions is not to be believed; of
-// points beside edges it is, since which surface they lie on the prior decides better than stereo.
-// Unsure points do not count either, if they are dense; between coarse ones stereo is asked anyway.
-// If the sensor is off, noise counts as well. Of a sensor that gives noise none counts.
+// Where points leave no room for stereo seeds. Dark points are not believed. Loose ones count: on
+// which side of an edge they lie the prior decides better than stereo. Dense points count unless
+// they are unsure, where a sensor is off with their noise; between coarse ones stereo is asked
+// anyway.
 std::span<const cv::Point2f> Refiner::Covered(bool dense) {
   covered_.clear();
   const bool is_off = found_.range_error.moved_share > 0;
   const auto is_unsure = [&](const Seed& point) {
-    return is_off ? point.sigma_px > StereoRules::kAskedSigmaPx : UnsurePoints::Is(point, noise_);
+    return is_off ? point.sigma_px > StereoRules::kAskedSigmaPx
+                  : UnsurePoints::IsUnsure(point, noise_);
   };
   for (size_t i = 0; i < points_.size(); ++i) {
     const bool sure = !dense || !is_unsure(points_[i].seed);
@@ -293,7 +295,7 @@ std::span<const cv::Point2f> Refiner::Covered(bool dense) {
   return covered_;
 }
 
-// Takes over the points that are reliable for themselves.
+// Keeps the points that are reliable by themselves, and counts the others.
 void Refiner::KeepReliable(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                            SeedSet& result) {
   fates_.resize(points_.size());
@@ -321,7 +323,7 @@ void Refiner::KeepReliable(const cv::Mat1b& left, const cv::Mat1b& right, const 
 void Refiner::DropNoise() {
   const auto in_picture = std::ranges::count_if(
       fates_, [](Fate fate) { return fate == Fate::kKept || fate == Fate::kLoose; });
-  found_.are_noise = in_picture >= SurfaceRules::kFewestOfNoise &&
+  found_.are_noise = in_picture >= SurfaceRules::kMinNoisePoints &&
                      2 * std::ranges::count(fates_, Fate::kLoose) > in_picture;
   if (found_.are_noise) std::ranges::replace(fates_, Fate::kKept, Fate::kLoose);
 }

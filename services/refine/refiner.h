@@ -87,19 +87,19 @@ class Refiner {
   RangeInput InputOf(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig);
   void Align(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
              const TofProjector& projector);
-  void MoveToTruth(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
-                   const TofProjector& projector, SeedSet& result);
+  void CorrectRanges(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
+                     const TofProjector& projector, SeedSet& result);
   void DropBesideEdges(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig,
                        SeedSet& result);
-  void TakeBack(const Rig& rig, SeedSet& result);
-  bool Errs() const;
+  void UndoCorrections(const Rig& rig, SeedSet& result);
+  bool ErrsInPlaces() const;
   bool IsDoubtful() const;
   void SearchAsFarAsPoints(int columns);
   bool PairShiftsRows(const PlacedPoints& points, std::span<const Seed> matches);
   bool IsWrongScan(const cv::Mat1b& left, const cv::Mat1b& right, const PlacedPoints& points);
   bool IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const TofImage& tof,
                    const TofProjector& projector);
-  bool KnowsWhereScanWas() const;
+  bool HasUnmovedScan() const;
   bool AlignAgain(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig);
   void DropNoise();
   RangeNoise Noise(const cv::Mat1b& left, const cv::Mat1b& right);
@@ -121,7 +121,7 @@ class Refiner {
   TofSurface surface_;
   RangeBias range_;
   std::vector<ProjectedPoint> before_fattening_;
-  bool doubts_edges_ = false;  // they seem to lie elsewhere, and the points do not fit there
+  bool doubts_edges_ = false;  // depth edges seem to be moved, but points fit no better there
   std::vector<ProjectedPoint> before_move_;  // as projected, if they were moved
   UnsurePoints unsure_;
   RangeNoise noise_;                  // of the points

@@ -10,8 +10,8 @@
 // Those parts of the refiner that find sensors which are not where they are thought to be.
 namespace sprout::refine {
 
-// Whether they are wrong in places, or at their edges.
-bool Refiner::Errs() const {
+// Whether the points are wrong in places, or at their edges.
+bool Refiner::ErrsInPlaces() const {
   return doubts_edges_ || found_.fattening ||
          found_.range_error.far_from_curve_share > RangeRules::kDoubtfulMoves;
 }
@@ -32,15 +32,15 @@ void Refiner::SearchAsFarAsPoints(int columns) {
 
 // Whether much is wrong with the points, or they are nearer than anything that stereo looks for.
 bool Refiner::IsDoubtful() const {
-  if (found_.range_error.Refuses() || found_.range_error.pair_unfit) return false;
+  if (found_.range_error.RejectsAll() || found_.range_error.pair_unfit) return false;
   if (!config_.stereo_seeds()) return false;
   // Of few points nodes are too few to judge by.
   if (!surface_.has_pixels()) {
     return found_.range_error.contradicted_share > RangeRules::kDoubtfulScan ||
            found_.range_error.moved_share > 0 || found_.scan_move.is_off ||
-           points_.size() < RangeRules::kFewOfScan;
+           points_.size() < RangeRules::kFewScanPoints;
   }
-  return Errs() || found_.range_error.IsBeyondDataSheets() ||
+  return ErrsInPlaces() || found_.range_error.IsBeyondDataSheets() ||
          found_.range_error.contradicted_share > RangeRules::kDoubtfulShare ||
          stereo_.reach_px() > 0;
 }
@@ -65,7 +65,7 @@ bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const T
                       .image = left.size(),
                       .infinity_px = projector.rig().pair.cx - projector.rig().pair.cx_right};
   if (!surface_.has_pixels()) {
-    points.raw = KnowsWhereScanWas() ? before_move_ : points_;
+    points.raw = HasUnmovedScan() ? before_move_ : points_;
     return IsWrongScan(left, right, points);
   }
   int behind = 0;
@@ -77,14 +77,14 @@ bool Refiner::IsDisplaced(const cv::Mat1b& left, const cv::Mat1b& right, const T
   const bool differs = !FindContradicted(left, right, points, coarse, coarse_px).points.empty();
   const bool may_be_displaced =
       FindSensorPlace(points, coarse, coarse_px, RangeRules::kFirstLook).is_displaced;
-  if (!differs && !may_be_displaced && !Errs()) return false;
+  if (!differs && !may_be_displaced && !ErrsInPlaces()) return false;
   const std::span<const Seed> matches = stereo_.Find(left, right, {}, {}, 0, zones_.most_px());
   if (PairShiftsRows(points, matches)) return false;
   found_.sensor_place = FindSensorPlace(points, matches, RangeRules::kAgreePx);
-  if ((differs || Errs()) && !found_.sensor_place.is_displaced) {
+  if ((differs || ErrsInPlaces()) && !found_.sensor_place.is_displaced) {
     const CellGrid cells(stereo_.SpacingPx(left.cols), left.size());
     found_.contradiction = FindContradicted(left, right, points, matches, RangeRules::kAgreePx,
-                                            Errs() ? &cells : nullptr,
+                                            ErrsInPlaces() ? &cells : nullptr,
                                             found_.fattening ? 1 : RangeRules::kUnexplained);
   }
   const auto is_contradicted = [](uint8_t is) { return is != 0; };
@@ -121,15 +121,15 @@ bool Refiner::IsWrongScan(const cv::Mat1b& left, const cv::Mat1b& right,
   return true;
 }
 
-// Whether it is known where the points of a scan were before they were moved.
-bool Refiner::KnowsWhereScanWas() const {
+// Whether before_move_ has the points of the scan as they were projected.
+bool Refiner::HasUnmovedScan() const {
   return !surface_.has_pixels() && before_move_.size() == points_.size();
 }
 
 // Puts a scan right which stereo shows to be farther off than its alignment looks by itself.
 bool Refiner::AlignAgain(const cv::Mat1b& left, const cv::Mat1b& right, const Rig& rig) {
   const SensorPlace& place = found_.sensor_place;
-  if (!KnowsWhereScanWas() || !place.is_displaced || !place.IsMove()) return false;
+  if (!HasUnmovedScan() || !place.is_displaced || !place.IsMove()) return false;
   points_ = before_move_;
   surface_.Set(rig, points_);
   found_.scan_move = scan_aligner_.Estimate(InputOf(left, right, rig), points_, &place.move_px);

@@ -11,9 +11,9 @@ struct AlignmentRules {
   // The images.
   /// They are halved until a cell is at most this large, px: profiles are averaged over a cell, so
   /// more pixels only take time.
-  static constexpr double kLargestCellPx = 6;
-  static constexpr int kSmallestSide = 64;    ///< no image is halved below this, px
-  static constexpr double kLimitCellPx = 16;  ///< limit, whatever the calibration says
+  static constexpr double kMaxCellPx = 6;
+  static constexpr int kMinSide = 64;         ///< no image is halved below this, px
+  static constexpr double kLimitCellPx = 16;  ///< larger cells count as this, px
 
   // Ends in the ToF image.
   static constexpr int kMaxMixed = 3;  ///< pixels that mix both surfaces: lens blur, filters
@@ -33,12 +33,12 @@ struct AlignmentRules {
   static constexpr float kContrastWeight = 0.5F;  ///< measured (NOTES.md): 0, 1 and 2 are worse
 
   // The offset, eq. (A5).
-  static constexpr double kMaxCells = 2;            ///< largest offset that is searched, cells
-  static constexpr size_t kMaxEdges = 1000;         ///< more take time and do not help
-  static constexpr double kVotesPerCell = 3;        ///< along either side: profiles are a cell wide
-  static constexpr double kStepCells = 0.3;         ///< of finite differences, cells
-  static constexpr int kMaxSteps = 30;              ///< of Newton's method
-  static constexpr double kSmallestStepPx = 0.002;  ///< ends the iteration: too small to matter
+  static constexpr double kMaxCells = 2;         ///< largest offset that is searched, cells
+  static constexpr size_t kMaxEdges = 1000;      ///< more take time and do not help
+  static constexpr double kVotesPerCell = 3;     ///< along either side: profiles are a cell wide
+  static constexpr double kStepCells = 0.3;      ///< of finite differences, cells
+  static constexpr int kMaxSteps = 30;           ///< of Newton's method
+  static constexpr double kConvergedPx = 0.002;  ///< ends the iteration: too small to matter
 
   // Standard deviations, eq. (A6).
   static constexpr double kBlockCells = 16;  ///< edges in one block may share their errors
@@ -50,7 +50,7 @@ struct AlignmentRules {
   static constexpr double kSideSigmaOutwards = 1 / 3.0;
 
   // When it is sure.
-  static constexpr int kFewestEdges = 50;
+  static constexpr int kMinEdges = 50;
   /// Least evidence, of at most 1.5, for an edge to count.
   static constexpr float kClearEdge = 0.1F;
   /// Most votes above the mean of the second-best offset, as share of the best one's.
@@ -68,16 +68,16 @@ struct AlignmentRules {
   static constexpr double kWorseSigmas = 2;
 
   // The scan of a lidar, eqs. (A7) to (A10).
-  static constexpr float kMaxExcess = 0.6F;     ///< the tail of an M-estimator
-  static constexpr double kMovePrice = 0.001;   ///< of a px
-  static constexpr double kMaxMovePx = 32;      ///< longest move that is searched
-  static constexpr double kNearQuantile = 0.9;  ///< of the disparities: that of a near point
-  static constexpr double kFirstStepPx = 4;     ///< across: half a window
-  static constexpr int kMaxSweeps = 12;         ///< of the search along all axes; it ends before
+  static constexpr float kMaxExcess = 0.6F;      ///< a larger excess counts as this one
+  static constexpr double kMovePenalty = 0.001;  ///< cost of a move, per px
+  static constexpr double kMaxMovePx = 32;       ///< longest move that is searched
+  static constexpr double kNearQuantile = 0.9;   ///< of the disparities: that of a near point
+  static constexpr double kFirstStepPx = 4;      ///< across: half a window
+  static constexpr int kMaxSweeps = 12;          ///< of the search along all axes; it ends before
   /// Points that the search looks at, and those that decide; fewer find fewer scans that are off.
   static constexpr size_t kFirstScanPoints = 1200;
   static constexpr size_t kMaxScanPoints = 2500;
-  static constexpr size_t kFewestScanPoints = 100;
+  static constexpr size_t kMinScanPoints = 100;
   static constexpr int kBlockWindows = 3;  ///< side of a block within which mistakes go together
   /// A move is sure from so many standard deviations on: right scans of 4 to 64 beams have up to
   /// 3.4 (19 frames each; one, that an error of the ranges explains better, 3.8), those that are

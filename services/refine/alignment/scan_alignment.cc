@@ -21,7 +21,7 @@ namespace {
 
 using Rules = AlignmentRules;
 
-// Eq. (A7): what the images say against a disparity, beside the best one around.
+// Eq. (A7): how much more a disparity costs than the best one around it.
 float ExcessOf(const OffsetCosts& costs, double offset_px) {
   const float least = *std::ranges::min_element(costs);
   return std::min(static_cast<float>(CostAt(costs, offset_px)) - least, Rules::kMaxExcess);
@@ -35,7 +35,8 @@ double RollRad(const RectifiedPair& pair, double px_at_half_width) {
   return 2 * px_at_half_width / pair.width;
 }
 
-// Eqs. (A9) and (A10): first nearer, then turned. What the rig has passed lies outside the image.
+// Eqs. (A9) and (A10): first nearer, then turned. What is then behind the cameras gets a place
+// outside the image.
 SlantedPatch Moved(const RectifiedPair& pair, const RangeNode& node, const Eigen::Vector4d& move) {
   const cv::Point2d centre(pair.cx, pair.cy);
   const double infinity_px = pair.cx - pair.cx_right;
@@ -55,7 +56,7 @@ SlantedPatch Moved(const RectifiedPair& pair, const RangeNode& node, const Eigen
 
 }  // namespace
 
-// Up to `most` points spread over the scan, where the images can be compared.
+// Makes nodes of up to `most` points, spread over the scan, whose windows lie in both images.
 void ScanAligner::Take(const RangeInput& input, std::span<const ProjectedPoint> points,
                        size_t most) {
   const size_t count = std::min(points.size(), most);
@@ -94,7 +95,7 @@ void ScanAligner::Take(const RangeInput& input, std::span<const ProjectedPoint> 
   m_per_px_ = near_m * near_m / (pair.focal_px * pair.baseline_m);
 }
 
-// The excess of all nodes when moved. What leaves the images says nothing new.
+// The excess of all nodes when moved; those that leave the images keep the one they have.
 void ScanAligner::Look(const RangeInput& input, const Move& move,
                        std::vector<float>& excess) const {
   excess.resize(nodes_.size());
@@ -112,10 +113,10 @@ double ScanAligner::CostOf(const RangeInput& input, const Move& move) {
   const double length_px = Move(way.x(), way.y(), way.z() / m_per_px_, way.w()).norm();
   if (!(length_px <= Rules::kMaxMovePx)) return std::numeric_limits<double>::infinity();
   Look(input, move, excess_);
-  return Mean(excess_) + Rules::kMovePrice * length_px;
+  return Mean(excess_) + Rules::kMovePenalty * length_px;
 }
 
-// One step along each axis. The ground shows moves down better than those across.
+// One step along each axis; down half as long, since the ground shows moves down better.
 std::vector<ScanAligner::Move> ScanAligner::StepsOf(double step_px, Freedom freedom) const {
   std::vector<Move> steps = {{step_px, 0, 0, 0}, {0, std::max(1.0, step_px / 2), 0, 0}};
   if (freedom == Freedom::kTurnAndMotion) steps.push_back({0, 0, step_px * m_per_px_, 0});
@@ -176,7 +177,7 @@ double ScanAligner::CurveGain(const RangeInput& input) {
   return gain / static_cast<double>(nodes_.size());
 }
 
-// Ends the search of a candidate with all nodes.
+// Searches on from a candidate, in the finest steps and with the present nodes.
 void ScanAligner::Refine(const RangeInput& input, Freedom freedom, Candidate& candidate) {
   candidate.move = Descend(input, candidate.move, 1, freedom);
   Look(input, candidate.move, candidate.excess);
@@ -197,7 +198,7 @@ ScanMove ScanAligner::Estimate(const RangeInput& input, std::span<const Projecte
   start_ = Move::Zero();
   if (start_px != nullptr) start_.head<2>() << start_px->x, start_px->y;
   Take(input, points, Rules::kFirstScanPoints);
-  if (nodes_.size() < Rules::kFewestScanPoints) return {};
+  if (nodes_.size() < Rules::kMinScanPoints) return {};
   if (start_px == nullptr && !MayBeOff(input)) return {};
   turn_.move = Descend(input, start_, Rules::kFirstStepPx, Freedom::kTurn);
   roll_.move = Descend(input, start_, Rules::kFirstStepPx, Freedom::kTurnAndRoll);

@@ -73,10 +73,10 @@ class ScanAligner {
   RangeCurve curve_;
 };
 
-/// Moves the points by that.
+/// Moves the points.
 void ApplyMove(const ScanMove& move, const Rig& rig, std::vector<ProjectedPoint>& points);
 
-/// What people are told of it. @pre move.is_off.
+/// The move in words, for the status. @pre move.is_off.
 std::string ScanMoveText(const ScanMove& move);
 
 }  // namespace sprout::refine

@@ -224,7 +224,7 @@ TofAligner::Fit TofAligner::Maximise(Eigen::Vector2d start, double step_px) cons
     const Eigen::Vector3d step = solver.solve(slope);
     const double length = std::sqrt(step.squaredNorm());
     fit.place += length > step_px ? Eigen::Vector3d(step * (step_px / length)) : step;
-    if (!fit.place.allFinite() || length < Rules::kSmallestStepPx) break;
+    if (!fit.place.allFinite() || length < Rules::kConvergedPx) break;
   }
   fit.is_peak = fit.place.allFinite();
   return fit;
@@ -267,8 +267,8 @@ TofOffset TofAligner::Estimate(const cv::Mat1b& left, const cv::Mat1b& right,
   cv::Mat1b small_right = right;
   int scale = 1;
   const double full_cell_px = CellPx(projector.rig());
-  while (full_cell_px / scale > Rules::kLargestCellPx &&
-         std::min(small_left.cols, small_left.rows) >= 2 * Rules::kSmallestSide) {
+  while (full_cell_px / scale > Rules::kMaxCellPx &&
+         std::min(small_left.cols, small_left.rows) >= 2 * Rules::kMinSide) {
     small_left = Halved(small_left);
     small_right = Halved(small_right);
     scale *= 2;
@@ -277,7 +277,7 @@ TofOffset TofAligner::Estimate(const cv::Mat1b& left, const cv::Mat1b& right,
   const std::span<const TofEdge> found =
       finder_.Find(points, tof, projector, Rules::kMinStepPx * scale);
   const size_t count = std::min(found.size(), Rules::kMaxEdges);
-  if (count < Rules::kFewestEdges) return {};
+  if (count < Rules::kMinEdges) return {};
   edges_.clear();
   for (size_t i = 0; i < count; ++i) {
     edges_.push_back(AtScale(found[i * found.size() / count], scale));
@@ -303,7 +303,7 @@ TofOffset TofAligner::Estimate(const cv::Mat1b& left, const cv::Mat1b& right,
                    .edges = fit.edges};
   if (!std::isfinite(result.significance)) return {};
   const double most_sigma_px = Rules::kMaxSigmaCells * cell_px * scale;
-  result.sure = fit.edges >= Rules::kFewestEdges && votes.doubt <= Rules::kMaxDoubt &&
+  result.sure = fit.edges >= Rules::kMinEdges && votes.doubt <= Rules::kMaxDoubt &&
                 (offset - votes.best).squaredNorm() <= cell_px * cell_px &&
                 result.sigma_u_px <= most_sigma_px && result.sigma_v_px <= most_sigma_px;
   return result;

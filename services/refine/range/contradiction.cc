@@ -11,12 +11,12 @@
 namespace sprout::refine {
 namespace {
 
-// What matches say of points.
+// How many matches agree with points or contradict them, and how far off they are.
 struct MatchVotes {
   double agreeing = 0;
   double against = 0;
-  // If it is asked how far they are off: squares of that, of what points and matches claim, and of
-  // what matches alone claim.
+  // Sums of squared distances, of the variances that points and matches claim, and of those that
+  // matches alone claim; 0 if these were not asked for.
   double off_px2 = 0;
   double claimed_px2 = 0;
   double of_matches_px2 = 0;
@@ -49,7 +49,7 @@ class CellIndex {
   bool Has(const cv::Point& cell) const { return IsIn(cell) && index_(cell) >= 0; }
   size_t At(const cv::Point& cell) const { return static_cast<size_t>(index_(cell)); }
 
-  // Calls visit(point) for those of the cells around one, itself included.
+  // Calls visit(point) for the points in the cells around `cell`, itself included.
   template <typename Visit>
   void Around(const cv::Point& cell, int reach, const Visit& visit) const {
     const cv::Rect window = cv::Rect({}, index_.size()) &
@@ -116,9 +116,9 @@ bool Prefers(const cv::Mat1b& left, const cv::Mat1b& right, const Seed& place, d
   return difference(to) > RangeRules::kBetterMatch * difference(disparity);
 }
 
-// What each match says of the point that it lies at: it agrees with one of those around, or the
-// images prefer its disparity to theirs. Where they do not, stereo may err. How far it is from
-// their planes is told in the cells of stereo, in whose middle it lies.
+// Each match votes on the point that it lies at: it agrees with one of the points around, or is
+// against it if the images prefer the match. Where they do not, stereo may err. The distance to the
+// points' planes is taken at the middle of the match's cell.
 std::vector<MatchVotes> VotesOf(const cv::Mat1b& left, const cv::Mat1b& right,
                                 const PlacedPoints& points, std::span<const Seed> matches,
                                 double agree_px, const CellGrid* cells_of_matches) {
@@ -154,10 +154,10 @@ std::vector<MatchVotes> VotesOf(const cv::Mat1b& left, const cv::Mat1b& right,
     const size_t of = agrees ? best : cells.At(cell);
     if (cells_of_matches != nullptr) {
       const cv::Point at(cells_of_matches->At(match.u), cells_of_matches->At(match.v));
-      constexpr double kMost = RangeRules::kAgreePx;  // so that stereo's mistakes do not rule
-      const double off_plane_px = std::min(planes.OffPx(at, match.disparity()), kMost);
+      constexpr double kMaxPx = RangeRules::kAgreePx;  // so that stereo's mistakes do not rule
+      const double off_plane_px = std::min(planes.OffPx(at, match.disparity()), kMaxPx);
       const double of_match_px = double{match.sigma_px};
-      const double of_point_px = std::min(double{all[of].seed.sigma_px}, kMost);
+      const double of_point_px = std::min(double{all[of].seed.sigma_px}, kMaxPx);
       vote.off_px2 = off_plane_px * off_plane_px;
       vote.of_matches_px2 = of_match_px * of_match_px;
       vote.claimed_px2 = vote.of_matches_px2 + of_point_px * of_point_px;
@@ -255,7 +255,7 @@ double ShareAgainst(const cv::Mat1b& left, const cv::Mat1b& right,
     }
   }
   const double asked = votes.agreeing + votes.against;
-  return asked < RangeRules::kFewestOfScan ? 0 : votes.against / asked;
+  return asked < RangeRules::kMinScanPoints ? 0 : votes.against / asked;
 }
 
 }  // namespace sprout::refine

@@ -11,11 +11,11 @@
 
 namespace sprout::refine {
 
-/// Which points stereo contradicts.
+/// Which points stereo contradicts, see FindContradicted().
 struct Contradiction {
   /// 1 or 0 for each of PlacedPoints::corrected; empty where stereo contradicts none.
   std::vector<uint8_t> points;
-  double share = 0;  ///< of the matches that tell, 0 to 1
+  double share = 0;  ///< of the matches that voted, 0 to 1
   /// Standard deviation of each corrected point's error as the matches around show it, px, up to
   /// RangeRules::kAgreePx; empty where those that the points have explain it, or if not asked.
   std::vector<float> sigma_px = {};
@@ -41,7 +41,7 @@ Contradiction FindContradicted(const cv::Mat1b& left, const cv::Mat1b& right,
 /// of the nearest one, whose windows are alike.
 /// @param matches   at most about one in each square of `reach_px`; of more the last one counts.
 /// @param reach_px  above 0.
-/// @returns 0 to 1; 0 also where fewer than RangeRules::kFewestOfScan points can be asked.
+/// @returns 0 to 1; 0 also where fewer than RangeRules::kMinScanPoints points can be asked.
 /// O(points + matches). No I/O; one thread; the same on every machine.
 double ShareAgainst(const cv::Mat1b& left, const cv::Mat1b& right,
                     std::span<const ProjectedPoint> points, std::span<const Seed> matches,

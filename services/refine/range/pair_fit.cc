@@ -42,11 +42,11 @@ PairFit PairFitAt(const RangeInput& input, const RangeNodes& nodes) {
     const double signal = node.moments.left_variance - noise;
     if (node.whole && signal > RangeRules::kClearSignal * noise) clear.push_back(&node);
   }
-  if (clear.size() < RangeRules::kFewestOfFit) return {};
+  if (clear.size() < RangeRules::kMinFitNodes) return {};
   constexpr int kSide = RangeRules::kRowBlocks;
   std::array<RowCosts, size_t{kSide} * kSide> blocks{};
   double count = 0;
-  const size_t step = clear.size() / RangeRules::kMostOfFit + 1;
+  const size_t step = clear.size() / RangeRules::kMaxFitNodes + 1;
   for (size_t i = 0; i < clear.size(); i += step) {
     const RangeNode& node = *clear[i];
     const std::optional<RowCosts> costs = CostsOf(input, node, noise);

@@ -7,8 +7,8 @@ namespace sprout::refine {
 /// How well a pair fits around range points, at the best offset of each.
 struct PairFit {
   double cost = 0;  ///< mean of (R4), 0 to 1; 0 if few points have clear texture
-  /// Which part of that is gone if the right image's rows are taken from a little above or below,
-  /// in each block of the picture from where that is best, 0 to 1.
+  /// Share of that cost which is saved by taking the right image's rows from a little above or
+  /// below, in each block of the picture from where that is best, 0 to 1.
   double rows_gain = 0;
   /// The same from where that is best for all blocks together: not 0 if the right camera is turned
   /// or has another focal length, whose columns are off as well.

@@ -21,10 +21,10 @@ namespace {
 constexpr uint8_t kMoved = 1;
 constexpr uint8_t kMovedFar = 2;
 constexpr uint8_t kFarFromCurve = 4;
-constexpr int kWidestReach = 8;  // of the windows around a point, cells
-constexpr int kReaches[] = {1, 2, 4, kWidestReach};
+constexpr int kMaxReach = 8;  // of the windows around a point, cells
+constexpr int kReaches[] = {1, 2, 4, kMaxReach};
 
-// What an error of a depth is, px of disparity.
+// An error of a depth as an error of its disparity, px.
 double ErrorPx(const RectifiedPair& pair, double depth_m, double error_m) {
   return pair.focal_px * pair.baseline_m / (depth_m * depth_m) * error_m;
 }
@@ -77,9 +77,9 @@ bool RangeError::IsBeyondDataSheets() const {
   });
 }
 
-// Costs reach a few px to either side, on the slant as measured: what is far off is seen better
-// from where the first look puts it. Returns whether there was any.
-bool RangeBias::LookAgain(const RangeInput& input) {
+// Compares the images again at the moved nodes as long as some are far off: costs cover a few px to
+// either side only, on the slant as measured. Returns whether it did.
+bool RangeBias::CompareAgain(const RangeInput& input) {
   int look = 0;
   for (; look < RangeRules::kMoreLooks && field_.variance_px2() > 0; ++look) {
     const std::span<const NodeOffset> offsets = field_.offsets();
@@ -94,7 +94,7 @@ bool RangeBias::LookAgain(const RangeInput& input) {
   return look > 0;
 }
 
-// What the nodes are off by.
+// How far each node is off, by curve and field together, px.
 std::vector<double> RangeBias::NodeMoves() const {
   std::vector<double> moves_px = start_px_;
   for (size_t i = 0; i < moves_px.size(); ++i) moves_px[i] += field_.offsets()[i].offset_px;
@@ -120,9 +120,8 @@ double RangeBias::JudgeNodes() {
   }
   unlike_nodes_ = wrong_nodes_;
   KeepPatches(nodes_, RangeRules::kProvedNodes, wrong_nodes_);
-  return judged < RangeRules::kFewestNodes
-             ? 0
-             : static_cast<double>(wrong) / static_cast<double>(judged);
+  return judged < RangeRules::kMinNodes ? 0
+                                        : static_cast<double>(wrong) / static_cast<double>(judged);
 }
 
 // At which share of the nodes that the images contradict they match elsewhere. If at few, they do
@@ -188,29 +187,29 @@ bool RangeBias::JudgePair(const RangeInput& input, const RangeSettings& settings
         MatchedElsewhere(input, matches) <= RangeRules::MatchedShare(error_.contradicted_share);
   }
   error_.rejected = many && !error_.pair_unfit;
-  if (error_.ShowsNothing()) error_.curve.clear();
-  return error_.rejected || error_.ShowsNothing();
+  if (error_.IsUnknown()) error_.curve.clear();
+  return error_.rejected || error_.IsUnknown();
 }
 
 // Marks where points have to be asked for: within reach of a node that moves, is unsure or is
 // contradicted. With a sensor that is right there is none.
-bool RangeBias::MarkAsked() {
+bool RangeBias::MarkAffected() {
   const bool all = field_.variance_px2() > 0;
-  asked_.create(nodes_.size());
-  asked_ = all ? 1 : 0;
+  affected_.create(nodes_.size());
+  affected_ = all ? 1 : 0;
   if (all) return true;
   bool any = false;
   for (size_t i = 0; i < wrong_nodes_.size(); ++i) {
     if (wrong_nodes_[i] == 0 && field_.offsets()[i].offset_px == 0) continue;
-    asked_(nodes_.nodes()[i].cell) = 1;
+    affected_(nodes_.nodes()[i].cell) = 1;
     any = true;
   }
-  constexpr int kSide = 2 * kWidestReach + 1;
-  if (any) cv::dilate(asked_, asked_, cv::Mat1b::ones(kSide, kSide));
+  constexpr int kSide = 2 * kMaxReach + 1;
+  if (any) cv::dilate(affected_, affected_, cv::Mat1b::ones(kSide, kSide));
   return any;
 }
 
-// What the nodes around a point say of it: those of its surface, within a widening window.
+// The error of a point by the nodes of its surface, in a window that widens until there is one.
 RangeBias::PointError RangeBias::ErrorOf(const TofSurface& surface,
                                          const ProjectedPoint& point) const {
   const double disparity = point.seed.disparity();
@@ -218,7 +217,7 @@ RangeBias::PointError RangeBias::ErrorOf(const TofSurface& surface,
   const cv::Point2d cell = nodes_.CellOf(surface, point);
   const cv::Point nearest(static_cast<int>(std::lround(cell.x)),
                           static_cast<int>(std::lround(cell.y)));
-  if (cv::Rect({}, asked_.size()).contains(nearest) && asked_(nearest) == 0) return {};
+  if (cv::Rect({}, affected_.size()).contains(nearest) && affected_(nearest) == 0) return {};
   double weight = 0, offset_px = 0, variance = 0, wrong = 0;
   for (const int reach : kReaches) {
     const cv::Rect window =
@@ -248,7 +247,7 @@ RangeBias::PointError RangeBias::ErrorOf(const TofSurface& surface,
           .contradicted = wrong > weight / 2};
 }
 
-// What all points share; nothing is known of it if few nodes show anything.
+// Estimates the error that all points share; it has no knots if few nodes show anything.
 void RangeBias::FindCurve(const RangeInput& input) {
   const RectifiedPair& pair = input.rig.pair;
   curve_.Estimate(nodes_.nodes(), pair, /*stiff=*/input.coarse);
@@ -259,7 +258,7 @@ void RangeBias::FindCurve(const RangeInput& input) {
                             .error_m = knot.error_m,
                             .sigma_m = std::hypot(knot.sigma_m, shared_m)});
     const double least_m = std::abs(knot.error_m) - RangeRules::kSureSigmas * knot.sigma_m;
-    const bool is_absurd = least_m > RangeRules::kMostOfDepth * knot.depth_m;
+    const bool is_absurd = least_m > RangeRules::kMaxDepthShare * knot.depth_m;
     if (is_absurd && !error_.absurd) error_.absurd = knot;
   }
 }
@@ -275,8 +274,8 @@ bool RangeBias::FindField(const RangeInput& input, const RangeSettings& settings
   for (const RangeNode& node : nodes) start_px_.push_back(curve_.OffsetPx(pair, node.disparity));
   // Between a lidar's beams, and where nodes are few, slopes are not known well enough.
   const bool has_slopes =
-      !input.coarse || (input.surface.has_pixels() && nodes.size() >= RangeRules::kFewestOfField);
-  const double least_share = settings.errs ? 0 : RangeRules::kMovedShare;
+      !input.coarse || (input.surface.has_pixels() && nodes.size() >= RangeRules::kMinFieldNodes);
+  const double least_share = settings.has_wrong_edges ? 0 : RangeRules::kMovedShare;
   field_.Estimate(nodes_, start_px_, settings.field && has_slopes ? least_share : 1);
   error_.contradicted_share = JudgeNodes();
   if (!settings.field) return true;
@@ -285,8 +284,8 @@ bool RangeBias::FindField(const RangeInput& input, const RangeSettings& settings
     return false;
   }
   if (error_.rows_unfit) return true;
-  // By then all may seem to fit: who looks far enough finds a likeness anywhere.
-  if (LookAgain(input)) JudgeNodes();
+  // The share stays that of the first look: a wide search finds alike windows for wrong points.
+  if (CompareAgain(input)) JudgeNodes();
   if (!ShiftsRows(nodes_, NodeMoves(), pair.cx - pair.cx_right)) return true;
   error_.pair_unfit = error_.rows_shifted = true;
   error_.curve.clear();
@@ -301,7 +300,7 @@ void RangeBias::MovePoints(const RangeInput& input, const RangeSettings& setting
   const bool is_right =
       curve_.is_zero() &&
       (!input.coarse || curve_.IsShownRight(nodes_.nodes(), pair, settings.error_m));
-  const bool has_field = settings.field && !error_.rows_unfit && MarkAsked();
+  const bool has_field = settings.field && !error_.rows_unfit && MarkAffected();
   const Eigen::Vector3d centre = input.rig.tof.left_from_tof_translation_m;
   moved_.assign(points.size(), 0);
   ForEachParallel(points.size(), [&](size_t i) {
@@ -340,7 +339,7 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
   contradicted_.assign(points.size(), 0);
   nodes_.Set(input, points);
   FindCurve(input);
-  if (error_.curve.empty()) {  // what the data sheet says is all that is known
+  if (error_.curve.empty()) {  // only the data sheet is known
     for (ProjectedPoint& point : points) {
       const double depth_m = pair.DepthFromDisparity(point.seed.disparity());
       point.seed.sigma_px = static_cast<float>(ErrorPx(pair, depth_m, settings.error_m));

@@ -32,23 +32,24 @@ struct RangeError {
   /// other rows, or each row in columns of its own.
   bool pair_unfit = false;
   double columns_px = 0;      ///< how far columns of the pair may be off, as its rows are
-  bool rows_unfit = false;    ///< on other rows, and few nodes are contradicted: the curve counts
-  bool rows_shifted = false;  ///< in columns of its own, ShiftsRows()
+  bool rows_unfit = false;    ///< fits on other rows, few nodes contradicted: the curve counts
+  bool rows_shifted = false;  ///< each row fits in columns of its own, ShiftsRows()
   /// The curve is farther from 0 than a sensor's error can be, at this knot: no point is believed.
   std::optional<RangeKnot> absurd = std::nullopt;
 
-  bool Refuses() const { return rejected || absurd; }
+  /// Whether no point is believed.
+  bool RejectsAll() const { return rejected || absurd; }
   /// Whether the curve is farther from 0 than data sheets allow, by RangeRules::kDoubtfulOfDepth.
   bool IsBeyondDataSheets() const;
-  /// Nothing of the sensor is known from the images.
-  bool ShowsNothing() const { return pair_unfit && !rows_unfit; }
+  /// Whether the images show nothing of the sensor.
+  bool IsUnknown() const { return pair_unfit && !rows_unfit; }
 };
 
-/// What is estimated.
+/// What RangeBias estimates.
 struct RangeSettings {
-  bool field = true;   ///< also what the scene adds; and points that are contradicted are dropped
-  bool errs = false;   ///< its edges show that the sensor is wrong: every proved offset counts
-  double error_m = 0;  ///< systematic error by the data sheet, one standard deviation, m
+  bool field = true;  ///< also what the scene adds; and points that are contradicted are dropped
+  bool has_wrong_edges = false;  ///< the sensor's: then every proved offset counts
+  double error_m = 0;            ///< systematic error by the data sheet, one standard deviation, m
   /// Matches of stereo that knows nothing of the points: asked where too many are contradicted.
   std::function<std::span<const Seed>()> matches;
 };
@@ -81,14 +82,14 @@ class RangeBias {
                  std::span<const ProjectedPoint> points);
   void MovePoints(const RangeInput& input, const RangeSettings& settings,
                   std::span<ProjectedPoint> points);
-  bool LookAgain(const RangeInput& input);
+  bool CompareAgain(const RangeInput& input);
   double JudgeNodes();
   bool CurveIsBeyond(const RectifiedPair& pair, double columns_px) const;
   bool JudgePair(const RangeInput& input, const RangeSettings& settings,
                  std::span<const ProjectedPoint> points);
   double MatchedElsewhere(const RangeInput& input, std::span<const Seed> matches) const;
   std::vector<double> NodeMoves() const;
-  bool MarkAsked();
+  bool MarkAffected();
   PointError ErrorOf(const TofSurface& surface, const ProjectedPoint& point) const;
 
   RangeNodes nodes_;
@@ -98,7 +99,7 @@ class RangeBias {
   std::vector<double> start_px_;
   std::vector<uint8_t> unlike_nodes_;  // that the images contradict
   std::vector<uint8_t> wrong_nodes_;   // those of them in patches
-  cv::Mat1b asked_;                    // of the nodes' cells
+  cv::Mat1b affected_;                 // of the nodes' cells
   std::vector<uint8_t> contradicted_;
   std::vector<uint8_t> moved_;
 };

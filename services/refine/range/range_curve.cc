@@ -74,7 +74,7 @@ struct RangeCurve::Bin {
 };
 
 // λ₀, λ₁, λ₂ of eq. (R5).
-struct RangeCurve::Prices {
+struct RangeCurve::Penalties {
   double moved = RangeRules::kCurveMoved;
   double per_px = RangeRules::kCurvePerPx;
   double step = RangeRules::kCurveStep;
@@ -95,28 +95,28 @@ void RangeCurve::Vote(std::span<const RangeNode> nodes, const RectifiedPair& pai
 }
 
 // The cheapest path through the candidates of all knots, then between candidates by a parabola.
-void RangeCurve::FindPath(std::span<const Bin> bins, const Prices& prices) {
+void RangeCurve::FindPath(std::span<const Bin> bins, const Penalties& penalties) {
   const size_t count = bins.size();
   std::vector<Votes> costs(count);
   for (size_t b = 0; b < count; ++b) {
     costs[b] = bins[b].votes;
-    const double share = prices.by_weight ? bins[b].weight : 1;
+    const double share = penalties.by_weight ? bins[b].weight : 1;
     for (int k = 0; k < kCandidates; ++k) {
       const double off_px = std::abs(k - kNoError) * step_m_ * bins[b].px_per_m;
       costs[b][static_cast<size_t>(k)] +=
-          share * ((k == kNoError ? 0 : prices.moved) + prices.per_px * off_px);
+          share * ((k == kNoError ? 0 : penalties.moved) + penalties.per_px * off_px);
     }
   }
   std::vector<Votes> sums(count);
   std::vector<std::array<int, kCandidates>> from(count);
   sums[0] = costs[0];
-  // The price of a metre, everywhere as high as where a metre shows most.
-  const double price = prices.step * step_m_ * bins[0].px_per_m;
+  // The penalty of a metre, everywhere as high as where a metre shows most.
+  const double penalty = penalties.step * step_m_ * bins[0].px_per_m;
   for (size_t b = 1; b < count; ++b) {
     for (int k = 0; k < kCandidates; ++k) {
       double best = std::numeric_limits<double>::infinity();
       for (int j = 0; j < kCandidates; ++j) {
-        const double sum = sums[b - 1][static_cast<size_t>(j)] + price * std::abs(k - j);
+        const double sum = sums[b - 1][static_cast<size_t>(j)] + penalty * std::abs(k - j);
         if (sum >= best) continue;
         best = sum;
         from[b][static_cast<size_t>(k)] = j;
@@ -142,7 +142,7 @@ void RangeCurve::FindPath(std::span<const Bin> bins, const Prices& prices) {
   }
 }
 
-// Prices draw a curve to 0, so that it does not explain what the scene adds. Between points that
+// Penalties draw a curve to 0, so that it does not explain what the scene adds. Between points that
 // are far apart little or nothing of that is seen, and a part of the error would stay.
 void RangeCurve::Stiffen(std::span<const RangeNode> nodes, const RectifiedPair& pair,
                          std::span<const Bin> bins) {
@@ -183,11 +183,11 @@ double RangeCurve::BestFactor(std::span<const RangeNode> nodes, const RectifiedP
 }
 
 // A focal length or baseline that is wrong makes an error in proportion to the depth. Of that the
-// candidates show the near knots only, and prices a constant.
+// candidates reach the near knots only, and penalties make it a constant.
 void RangeCurve::TryScale(std::span<const RangeNode> nodes, const RectifiedPair& pair) {
   const double constant_m = BestFactor(nodes, pair, 0);
   const double part = BestFactor(nodes, pair, 1);
-  if (std::abs(part) > RangeRules::kMostOfDepth) return;  // no sensor's: the curve shows it
+  if (std::abs(part) > RangeRules::kMaxDepthShare) return;  // no sensor's: the curve shows it
   const auto scaled = [&](double depth_m) { return part * depth_m; };
   const auto is_worse_than = [&](const auto& error_at) {
     return GainInSigmas(nodes, pair, scaled, error_at) < -RangeRules::kOtherSigmas;
@@ -197,9 +197,9 @@ void RangeCurve::TryScale(std::span<const RangeNode> nodes, const RectifiedPair&
   for (RangeKnot& knot : knots_) knot.error_m = scaled(knot.depth_m);
 }
 
-// A knot with next to no texture is drawn to 0 by its prices; if they weigh as little as its votes,
-// it follows its neighbours. The images do not show which is right, so the nearer a knot is to one
-// that has texture, where both are the same, the more it follows.
+// A knot with next to no texture is drawn to 0 by its penalties; if they weigh as little as its
+// votes, it follows its neighbours. The images do not show which is right, so the nearer a knot is
+// to one that has texture, where both are the same, the more it follows.
 void RangeCurve::FollowNeighbours(std::span<const Bin> bins) {
   const std::vector<RangeKnot> drawn = knots_;
   FindPath(bins, {.by_weight = true});
@@ -291,7 +291,7 @@ void RangeCurve::Estimate(std::span<const RangeNode> nodes, const RectifiedPair&
     voters_.push_back({depth_m, weight, i});
     total += weight;
   }
-  if (voters_.size() < RangeRules::kFewestNodes) return;
+  if (voters_.size() < RangeRules::kMinNodes) return;
   std::sort(voters_.begin(), voters_.end(), [](const Voter& a, const Voter& b) {
     return std::pair(a.depth_m, a.node) < std::pair(b.depth_m, b.node);
   });

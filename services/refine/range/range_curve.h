@@ -46,10 +46,10 @@ class RangeCurve {
     size_t node = 0;
   };
   struct Bin;
-  struct Prices;
+  struct Penalties;
 
   void Vote(std::span<const RangeNode> nodes, const RectifiedPair& pair, Bin& bin) const;
-  void FindPath(std::span<const Bin> bins, const Prices& prices);
+  void FindPath(std::span<const Bin> bins, const Penalties& penalties);
   void Stiffen(std::span<const RangeNode> nodes, const RectifiedPair& pair,
                std::span<const Bin> bins);
   double BestFactor(std::span<const RangeNode> nodes, const RectifiedPair& pair, int power) const;

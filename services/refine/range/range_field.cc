@@ -55,10 +55,10 @@ void RangeField::AddPath(const RangeNodes& nodes, bool along_rows, bool back, fl
   const cv::Size size = nodes.size();
   const int lines = along_rows ? size.height : size.width;
   const int length = along_rows ? size.width : size.height;
-  OffsetCosts price;
+  OffsetCosts penalty;
   for (int k = 0; k < kOffsetLabels; ++k) {
     const double off = RangeRules::OffsetPx(k);
-    price[static_cast<size_t>(k)] =
+    penalty[static_cast<size_t>(k)] =
         static_cast<float>(RangeRules::kFieldPerPx * std::abs(off)) + (off != 0 ? moved : 0);
   }
   ForEachParallel(static_cast<size_t>(lines), [&](size_t at) {
@@ -71,7 +71,7 @@ void RangeField::AddPath(const RangeNodes& nodes, bool along_rows, bool back, fl
       if (node < 0) continue;
       const auto index = static_cast<size_t>(node);
       OffsetCosts next = data_[index];
-      for (size_t k = 0; k < kOffsetLabels; ++k) next[k] += price[k];
+      for (size_t k = 0; k < kOffsetLabels; ++k) next[k] += penalty[k];
       if (last >= 0) {
         const bool same = nodes.AreOneSurface(static_cast<size_t>(last), index);
         const float small = RangeRules::kFieldSmallStep * (same ? 1 : RangeRules::kAcrossEdge);
@@ -131,7 +131,7 @@ RangeField::Proved RangeField::KeepProved(const RangeNodes& nodes) {
   return {found.share / weight, found.square / weight};
 }
 
-// Offsets between labels, and what they are worth.
+// Offsets between labels, from a parabola through the costs; its curvature is their information.
 void RangeField::Choose() {
   offsets_.assign(labels_.size(), {});
   information_.assign(offsets_.size(), 0);
@@ -253,9 +253,9 @@ void RangeField::FindOffsets(const RangeNodes& nodes, double least_share) {
 
 // Eq. (R7): an offset is as probable as what was proved makes it.
 void RangeField::OptimiseAgain(const RangeNodes& nodes) {
-  const auto price =
-      static_cast<float>(RangeRules::kOddsPrice * std::log((1 - proved_.share) / proved_.share));
-  Optimise(nodes, std::clamp(price, RangeRules::kMinMoved, RangeRules::kFieldMoved));
+  const auto penalty =
+      static_cast<float>(RangeRules::kOddsPenalty * std::log((1 - proved_.share) / proved_.share));
+  Optimise(nodes, std::clamp(penalty, RangeRules::kMinMoved, RangeRules::kFieldMoved));
 }
 
 void RangeField::Estimate(const RangeNodes& nodes, std::span<const double> start_px,

@@ -7,7 +7,7 @@
 
 namespace sprout::refine {
 
-/// What the scene adds at a node, and how sure that is.
+/// The error that the scene adds at a node, beside the curve, and how sure it is.
 struct NodeOffset {
   double offset_px = 0;  ///< to add to the disparity, beside the curve's
   cv::Point2d slope;     ///< of the offset, px a px

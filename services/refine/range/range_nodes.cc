@@ -81,7 +81,7 @@ void RangeNodes::Compare(const cv::Mat1b& left, const cv::Mat1b& right) {
     if (known[i] != 0) nodes_[kept++] = nodes_[i];
   }
   nodes_.resize(kept);
-  noise_ = RangeRules::kLeastNoise;
+  noise_ = RangeRules::kMinNoise;
   if (nodes_.empty()) return;
   std::vector<float> variances;
   variances.reserve(nodes_.size());

@@ -125,7 +125,7 @@ class RangeNodes {
   View right_;
   std::vector<TofSurface::Plane> planes_;  // of those points that were best in their cells
   std::vector<RangeNode> nodes_;
-  double noise_ = RangeRules::kLeastNoise;
+  double noise_ = RangeRules::kMinNoise;
   std::vector<Links> links_;
 };
 

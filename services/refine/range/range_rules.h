@@ -16,7 +16,7 @@ struct RangeRules {
   static constexpr int kZeroLabel = 7;
   static constexpr double OffsetPx(int label) { return label - kZeroLabel; }
   /// Least variance of the noise of grey values, grey levels²: that of whole numbers.
-  static constexpr double kLeastNoise = 1.0 / 12;
+  static constexpr double kMinNoise = 1.0 / 12;
   /// Quantile of the nodes' noise that is that of the camera; fine texture adds to others.
   static constexpr double kNoiseQuantile = 0.1;
   /// A smaller likeness counts as this: the tail of an M-estimator.
@@ -27,8 +27,8 @@ struct RangeRules {
   // The nodes.
   /// Most nodes: time is proportional to them.
   static constexpr size_t kMaxNodes = 4500;
-  /// Fewer show nothing.
-  static constexpr size_t kFewestNodes = 20;
+  /// With fewer nodes nothing is estimated.
+  static constexpr size_t kMinNodes = 20;
   /// Points of one surface: the plane of one is no farther from the other than this, px, and px a
   /// px of their distance, and these many standard deviations of their noise.
   static constexpr double kSurfacePx = 1.5;
@@ -41,20 +41,21 @@ struct RangeRules {
   static constexpr size_t kMaxKnots = 10;
   static constexpr float kMinDistinct = 0.05F;  ///< of a node that votes
   static constexpr float kMaxCost = 0.8F;       ///< of a vote
-  static constexpr double kCurveMoved = 0.02;   ///< price of an error that is not 0
-  static constexpr double kCurvePerPx = 0.002;  ///< price of a px of it
-  static constexpr double kCurveStep = 0.03;    ///< price of a px of change at the nearest knot
+  static constexpr double kCurveMoved = 0.02;   ///< penalty of an error that is not 0
+  static constexpr double kCurvePerPx = 0.002;  ///< penalty of a px of it
+  static constexpr double kCurveStep = 0.03;    ///< penalty of a px of change at the nearest knot
   /// The same once a lidar is known to be off, and by how many standard deviations less than the
   /// bent curve the stiff one may gain. Right scans, and those turned by 0.2 degrees, lose nothing
-  /// by it; with 0.5 a turned one of 19 does; a price three times as high, not four: ranges of
+  /// by it; with 0.5 a turned one of 19 does; a penalty three times as high, not four: ranges of
   /// +0.5 m 18.99, not 18.77 (NOTES.md).
   static constexpr double kStiffStep = 4 * kCurveStep;
   static constexpr double kBentSigmas = 0.4;
-  /// And errors that are a part of the depth, in such steps, unless a constant or the curve is
-  /// better by so many standard deviations: of +0.2 and +1 m a constant is by 2.8 and more, of
-  /// ranges that are 5 and 10 % long or short in two thirds of the frames by less, or it is worse.
+  /// Errors that are a part of the depth are tried in such steps, and taken unless a constant or
+  /// the curve is better by so many standard deviations: of +0.2 and +1 m a constant is by 2.8 and
+  /// more, of ranges that are 5 and 10 % long or short in two thirds of the frames by less, or it
+  /// is worse.
   static constexpr double kFactorStep = 0.005;
-  static constexpr double kMaxFactor = 0.3;  ///< more than kMostOfDepth, to know what is beyond
+  static constexpr double kMaxFactor = 0.3;  ///< more than kMaxDepthShare, to know what is beyond
   static constexpr double kOtherSigmas = 2.5;
   /// How far from a knot that has texture, m of depth, one that has not still follows it a little.
   /// With 0 a white wall keeps an error of 20 mm that all else shows, without end it gets one that
@@ -68,7 +69,7 @@ struct RangeRules {
   static constexpr double kSureSigmas = 3.5;
   /// A range sensor is off by centimetres, or a part in a hundred; where ranges are off by so great
   /// a part of the depth their unit, the focal length or the baseline is wrong.
-  static constexpr double kMostOfDepth = 0.2;
+  static constexpr double kMaxDepthShare = 0.2;
   /// Points that are far apart are believed without an error only if the images prefer their depths
   /// to ones that the data sheet allows, by so many standard deviations: right ones by 1.1 and more
   /// where an error would show, others by −0.2 at most but for one that wiggles (1.2).
@@ -81,14 +82,14 @@ struct RangeRules {
   // The field, eqs. (R6) and (R7).
   /// Fewer nodes of a camera whose points are far apart show no patches: a point every 80 px of
   /// 1.4 MP gives 100 to 150 nodes, every 40 px 310 to 760.
-  static constexpr size_t kFewestOfField = 250;
+  static constexpr size_t kMinFieldNodes = 250;
   static constexpr float kFieldPerPx = 0.004F;
   static constexpr float kFieldSmallStep = 0.05F;  ///< P1
   static constexpr float kFieldLargeStep = 0.3F;   ///< P2
   static constexpr float kAcrossEdge = 0.3F;       ///< of both, between two surfaces
   /// Price of an offset that is not 0, before anything is known of the frame; then κ of (R7).
   static constexpr float kFieldMoved = 0.1F;
-  static constexpr double kOddsPrice = 0.03;
+  static constexpr double kOddsPenalty = 0.03;
   static constexpr float kMinMoved = 0.01F;
   /// An offset is proved where so many nodes side by side cost so much less there.
   static constexpr float kProvedGain = 0.15F;
@@ -102,8 +103,8 @@ struct RangeRules {
   /// gets noisier (bumps of 1.5 px 96.65, not 96.84); 3 px: bumps of 6 px 93.59, not 93.75.
   static constexpr double kFarOffsetPx = 2;
   static constexpr int kMoreLooks = 3;
-  // The membrane: rounds of Gauss and Seidel, the price of a difference between neighbours, and of
-  // an offset. Both for a curvature of 1 a px².
+  // The membrane: rounds of Gauss and Seidel, the penalty of a difference between neighbours, and
+  // of an offset. Both for a curvature of 1 a px².
   static constexpr int kRelaxations = 30;
   static constexpr double kStiffness = 0.05;
   static constexpr double kPull = 0.002;
@@ -115,7 +116,7 @@ struct RangeRules {
   /// too: a little more than what its matches share (kSharedSigmaPx of StereoRules); see NOTES.md.
   static constexpr double kUnsurePx = 0.25;
   /// Of more noise the mean over neighbours is less sure than stereo, too. Measured (NOTES.md).
-  static constexpr double kMostNoisePx = 1.5;
+  static constexpr double kMaxNoisePx = 1.5;
   /// The status tells the share of the points that were moved by more.
   static constexpr double kFarMovePx = kUnsurePx;
   /// Variance, px², of a node with a curvature of 1 a px²: measured with simulated bumps.
@@ -132,23 +133,23 @@ struct RangeRules {
   /// If more nodes than this share are contradicted, no point is believed: right sensors have up to
   /// 0.19 (a scan of 16 beams), mirrored range images 0.27 and more.
   static constexpr double kRejectedShare = 0.22;
-  /// But only if stereo has a match that fits, and is so many px off, so near, in parts of the
-  /// picture's width, at a share of them. Where half of the nodes are contradicted it is 0.48 and
-  /// more with ranges that are mirrored, upside down or in a wrong unit, 0.28 and less beside
-  /// images that are turned, striped, negative, of different focus or of different scenes. Of fewer
-  /// nodes, whose images fit elsewhere, and of nearly all, in dull scenes, it is less: wrong ranges
-  /// 0.34 of 0.34, 0.24 of 0.99, such pairs 0.20 of 0.36, 0.13 of 0.9. From 1 px on rows that are
-  /// off have more, from 2 px on a mirrored flat scene 0.01.
+  /// But only if at MatchedShare() of these nodes stereo has a match that fits and is so many px
+  /// off, within kMatchReach of the picture's width. Where half of the nodes are contradicted it is
+  /// 0.48 and more with ranges that are mirrored, upside down or in a wrong unit, 0.28 and less
+  /// beside images that are turned, striped, negative, of different focus or of different scenes.
+  /// Of fewer nodes, whose images fit elsewhere, and of nearly all, in dull scenes, it is less:
+  /// wrong ranges 0.34 of 0.34, 0.24 of 0.99, such pairs 0.20 of 0.36, 0.13 of 0.9. From 1 px on
+  /// rows that are off have more, from 2 px on a mirrored flat scene 0.01.
   static constexpr double kElsewherePx = 1.5;
   static double MatchedShare(double contradicted) {
     return std::min(0.85 * contradicted, 0.44 * (1 - contradicted / 2));
   }
   static constexpr double kMatchReach = 0.01;
-  /// Where so many do the rows do fit, whatever the nodes say: at 0.66 and more where they fit
+  /// From this share on the rows do fit, whatever the nodes show: at 0.66 and more where they fit
   /// other rows by chance, as one in ten of KITTI's frames does with ranges twice or 1000 times too
   /// long; at 0.33 and less where rows are off.
   static constexpr double kMatchedOnOwnRows = 0.45;
-  /// Of frames with less signs of a wrong sensor it is asked, too, if nodes cost more than this in
+  /// The same is asked of frames with fewer signs of a wrong sensor if nodes cost more than this in
   /// the mean: wrong sensors have up to 0.31, a blurred or covered camera 0.32 to 0.68.
   static constexpr double kPoorCost = 0.35;
   /// The pair is at fault if its nodes cost less by this part with rows of the right image so many
@@ -167,23 +168,23 @@ struct RangeRules {
   /// is over 3 px.
   static constexpr double kBeyondColumns = 1.2;
   static constexpr int kRowBlocks = 3;
-  static constexpr size_t kFewestOfFit = 50;  ///< nodes
-  static constexpr size_t kMostOfFit = 400;
+  static constexpr size_t kMinFitNodes = 50;  ///< nodes
+  static constexpr size_t kMaxFitNodes = 400;
   /// If more nodes than this share fit nowhere, the images show different things: 0.95 and more,
   /// rows that are off or a blurred camera up to 0.8. Then stereo gives no seeds either.
   static constexpr double kNothingFits = 0.9;
 
   // Rows of the right image that are shifted along themselves.
   /// What offsets differ by from their median; and what more than that counts as.
-  static constexpr double kLeastShiftPx = 0.25;
-  static constexpr double kMostLeftPx = 4;
+  static constexpr double kMinShiftPx = 0.25;
+  static constexpr double kMaxResidualPx = 4;
   static constexpr size_t kShiftBands = 24;  ///< of rows, with as many places each
   /// One offset for each band leaves less than this part of what one for all leaves: of shifted
   /// rows 0.04 to 0.31, if they are by 3 px and more.
   static constexpr double kShiftLeft = 0.4;
-  /// And than what others leave: one for each depth, or that grow with the depth in each band. Of
-  /// shifted rows 0.1 to 0.95 but in scenes with one depth a row; of 442 frames of wrong sensors,
-  /// some off in their lower rows only, 0.99 and more.
+  /// It is also less than this part of what others leave: one offset for each depth, or offsets
+  /// that grow with the depth in each band. Of shifted rows 0.1 to 0.95 but in scenes with one
+  /// depth a row; of 442 frames of wrong sensors, some off in their lower rows only, 0.99 and more.
   static constexpr double kShiftBetter = 0.95;
 
   // A displaced sensor.
@@ -192,11 +193,12 @@ struct RangeRules {
   /// displaced ones that do harm from 0.0297 on with few exceptions.
   static constexpr double kDoubtfulShare = 0.025;
   static constexpr double kDoubtfulMoves = 0.2;
-  /// Or where the curve is farther from 0 than this part of the depth: data sheets allow a part in
-  /// a hundred, and a slanted floor that lies some rows further down looks like such a curve.
+  /// Asked, too, where the curve is farther from 0 than this part of the depth: data sheets allow a
+  /// part in a hundred, and a slanted floor that lies some rows further down looks like such a
+  /// curve.
   static constexpr double kDoubtfulOfDepth = 0.02;
-  /// Or where more points than this share are nearer than stereo looks for: a camera that wraps
-  /// ranges gives 0.01 to 0.5 of them, in places where nodes show hardly anything.
+  /// Asked, too, where more points than this share are nearer than stereo searches: a camera that
+  /// wraps ranges gives 0.01 to 0.5 of them, in places where nodes show hardly anything.
   static constexpr double kNearShare = 0.025;
   /// Moves that are tried: up to this share of the picture's width, in so many steps to each side,
   /// by so many matches at most; then finer ones.
@@ -212,7 +214,7 @@ struct RangeRules {
   /// Shear of a scan's rows that is tried, px across a px down: up to so many steps to either side.
   static constexpr double kShearStep = 0.02;
   static constexpr int kShearSteps = 15;
-  static constexpr size_t kMostMatches = 1000;
+  static constexpr size_t kMaxMatches = 1000;
   /// Points and stereo agree to so many px.
   static constexpr double kAgreePx = 2;
   /// The points belong elsewhere if more of the matches agree there, by so many standard deviations
@@ -220,11 +222,11 @@ struct RangeRules {
   /// share of kMoveGain is always enough. Sensors in their place gain up to 0.007 and 2.3 (182
   /// frames, wrong ranges among them); half a pixel of the sensor, which does no harm, 0.036.
   static constexpr int kMoveBlocks = 10;
-  static constexpr size_t kFewestCompared = 100;
+  static constexpr size_t kMinCompared = 100;
   static constexpr double kMoveGain = 0.04;
-  /// So many have to agree there: 0.90 and more do where a camera is displaced. The points of a
-  /// lidar are too far apart to be compared: with right scans 0.54 to 0.71 agree, moved by a few
-  /// rows up to 0.82.
+  /// More than this share has to agree there: 0.90 and more do where a camera is displaced. The
+  /// points of a lidar are too far apart to be compared: with right scans 0.54 to 0.71 agree, moved
+  /// by a few rows up to 0.82.
   static constexpr double kMoveFits = 0.85;
   static constexpr double kMoveSigmas = 3;
   /// The same gain of a scan: of 145 right ones none gains 0.02 and 2 standard deviations; sheared,
@@ -252,12 +254,12 @@ struct RangeRules {
   /// every 3rd to 8th pixel of an SR4000 0.12 to 0.15 (Art), of mirrored, displaced or noisy ones
   /// 0.1 to 1.
   static constexpr double kWrongScan = 0.14;
-  static constexpr double kFewestOfScan = 50;
-  /// Asked where more nodes, and then coarse matches, than this share contradict it: a quarter of
-  /// KITTI's right frames, where it takes a tenth of the chain's time. And of fewer points than
-  /// these.
+  static constexpr double kMinScanPoints = 50;
+  /// Asked where more nodes, and then coarse matches, than this share contradict it, or it has
+  /// fewer points than these: in a quarter of KITTI's right frames, where it takes a tenth of the
+  /// chain's time.
   static constexpr double kDoubtfulScan = 0.1;
-  static constexpr size_t kFewOfScan = 2500;
+  static constexpr size_t kFewScanPoints = 2500;
 };
 
 }  // namespace sprout::refine

@@ -43,7 +43,7 @@ double LeftOver(std::vector<PlaceOffset>& offsets, double PlaceOffset::*band_by,
     const double middle = Median(ratios);
     for (const PlaceOffset& offset : part) {
       const double left_px = std::abs(offset.offset_px - middle * shape(offset));
-      sum += offset.weight * std::min(left_px, RangeRules::kMostLeftPx);
+      sum += offset.weight * std::min(left_px, RangeRules::kMaxResidualPx);
       weight += offset.weight;
     }
   }
@@ -53,11 +53,11 @@ double LeftOver(std::vector<PlaceOffset>& offsets, double PlaceOffset::*band_by,
 bool ShiftsRows(std::vector<PlaceOffset> places) {
   // At infinity an offset of the rows is one of the depth, too.
   std::erase_if(places, [](const PlaceOffset& place) {
-    return !(place.weight > 0 && place.disparity > RangeRules::kLeastShiftPx);
+    return !(place.weight > 0 && place.disparity > RangeRules::kMinShiftPx);
   });
-  if (places.size() < RangeRules::kFewestOfField) return false;
+  if (places.size() < RangeRules::kMinFieldNodes) return false;
   const double all = LeftOver(places, &PlaceOffset::row, 1, 0);
-  if (all < RangeRules::kLeastShiftPx) return false;
+  if (all < RangeRules::kMinShiftPx) return false;
   constexpr size_t kBands = RangeRules::kShiftBands;
   const double by_row = LeftOver(places, &PlaceOffset::row, kBands, 0);
   if (by_row > RangeRules::kShiftLeft * all) return false;

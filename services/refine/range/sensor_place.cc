@@ -10,8 +10,8 @@
 namespace sprout::refine {
 namespace {
 
-// Where all points may belong instead, as in SensorPlace.
-struct Elsewhere {
+// A place where all points may belong instead, as in SensorPlace.
+struct Placement {
   cv::Point2d move_px;
   double spread = 1;
   double scale = 1;
@@ -36,9 +36,9 @@ class PlaceMap {
     if (IsIn(cell)) map_(cell) = std::max(map_(cell), seed.disparity());
   }
 
-  // What it says of a match when all that it holds is scaled, spread, moved and sheared.
+  // Compares a match with the map after all that this holds was scaled, spread, moved and sheared.
   enum class Vote { kNone, kAgrees, kDisagrees };
-  Vote Ask(const Seed& match, const Elsewhere& where) const {
+  Vote Compare(const Seed& match, const Placement& where) const {
     cv::Point2d there(match.u - where.shear * (match.v - centre_.y), match.v);
     if (where.in_right_image) there.x += match.disparity();
     const cv::Point cell = CellOf(centre_ + (there - where.move_px - centre_) / where.spread);
@@ -83,47 +83,47 @@ class PlaceSearch {
   PlaceSearch(const PlaceMap& map, std::span<const Seed> matches)
       : map_(map),
         matches_(matches),
-        step_(matches.size() / RangeRules::kMostMatches + 1),
+        step_(matches.size() / RangeRules::kMaxMatches + 1),
         asked_(static_cast<double>((matches.size() + step_ - 1) / step_)),
         fewest_(CountAt({}).compared / 2) {}
 
-  // Of a grid over all moves, then of finer ones.
-  Elsewhere BestMove(int width, int steps_down = RangeRules::kMoveSteps) {
+  // The best of a grid over all moves, then of finer ones around it.
+  Placement BestMove(int width, int steps_down = RangeRules::kMoveSteps) {
     most_ = kNoShare;
     double step_px = RangeRules::kMaxDisplacement * width / RangeRules::kMoveSteps;
-    LookAround({}, step_px, {RangeRules::kMoveSteps, steps_down});
-    for (int i = 0; i < RangeRules::kMoveRounds; ++i) LookAround(best_, step_px /= 2, {1, 1});
+    TryAround({}, step_px, {RangeRules::kMoveSteps, steps_down});
+    for (int i = 0; i < RangeRules::kMoveRounds; ++i) TryAround(best_, step_px /= 2, {1, 1});
     return best_;
   }
 
-  // Of wider and narrower fields of view, then of finer steps.
-  Elsewhere BestSpread() {
+  // The best of wider and narrower fields of view, then of finer steps around it.
+  Placement BestSpread() {
     most_ = kNoShare;
-    for (const double spread : RangeRules::kSpreads) LookAt({.move_px = {}, .spread = spread});
+    for (const double spread : RangeRules::kSpreads) Try({.move_px = {}, .spread = spread});
     double step = RangeRules::kSpreadStep;
     for (int i = 0; i < RangeRules::kMoveRounds; ++i, step /= 2) {
       const double from = best_.spread;  // `best_` changes meanwhile
-      LookAt({.move_px = {}, .spread = from * (1 - step)});
-      LookAt({.move_px = {}, .spread = from * (1 + step)});
+      Try({.move_px = {}, .spread = from * (1 - step)});
+      Try({.move_px = {}, .spread = from * (1 + step)});
     }
     return best_;
   }
 
-  // Of sheared rows.
-  Elsewhere BestShear() {
+  // The best shear of the rows.
+  Placement BestShear() {
     most_ = kNoShare;
     for (int i = -RangeRules::kShearSteps; i <= RangeRules::kShearSteps; ++i) {
-      LookAt({.move_px = {}, .shear = RangeRules::kShearStep * i});
+      Try({.move_px = {}, .shear = RangeRules::kShearStep * i});
     }
     return best_;
   }
 
-  // Of shorter and longer ranges.
-  Elsewhere BestScale() {
+  // The best factor of the ranges.
+  Placement BestScale() {
     most_ = kNoShare;
     for (double scale = 1; scale < RangeRules::kMaxScale; scale *= 1 + RangeRules::kScaleStep) {
-      LookAt({.move_px = {}, .spread = 1, .scale = scale});
-      LookAt({.move_px = {}, .spread = 1, .scale = 1 / scale});
+      Try({.move_px = {}, .spread = 1, .scale = scale});
+      Try({.move_px = {}, .spread = 1, .scale = 1 / scale});
     }
     return best_;
   }
@@ -132,17 +132,17 @@ class PlaceSearch {
   static constexpr double kNoShare = -1;
 
   // Stops where a share of `most_` is out of reach.
-  Count CountAt(const Elsewhere& where) const {
+  Count CountAt(const Placement& where) const {
     const double most_against = (1 - most_) * asked_;
     Count count;
     for (size_t i = 0; i < matches_.size(); i += step_) {
-      count.Add(map_.Ask(matches_[i], where));
+      count.Add(map_.Compare(matches_[i], where));
       if (static_cast<double>(count.compared - count.agreeing) > most_against) break;
     }
     return count;
   }
 
-  void LookAt(const Elsewhere& where) {
+  void Try(const Placement& where) {
     const Count count = CountAt(where);
     if (count.compared < fewest_ || count.share() <= most_) return;
     most_ = count.share();
@@ -150,10 +150,10 @@ class PlaceSearch {
   }
 
   // By value: `best_` changes meanwhile.
-  void LookAround(const Elsewhere from, double step_px, const cv::Size& reach) {
+  void TryAround(const Placement from, double step_px, const cv::Size& reach) {
     for (int y = -reach.height; y <= reach.height; ++y) {
       for (int x = -reach.width; x <= reach.width; ++x) {
-        LookAt({.move_px = from.move_px + step_px * cv::Point2d(x, y)});
+        Try({.move_px = from.move_px + step_px * cv::Point2d(x, y)});
       }
     }
   }
@@ -163,27 +163,27 @@ class PlaceSearch {
   size_t step_;
   double asked_;
   double most_ = kNoShare;
-  Elsewhere best_;
+  Placement best_;
   size_t fewest_;  // last: it is counted
 };
 
 // What a place must show to be believed.
-struct Demands {
+struct Thresholds {
   double fits;  // least share of the matches that agrees there
   double gain;  // so many more are enough
   double strictness;
 };
 
-// Disparities, and what is asked of them.
-struct Question {
+// A map, and what is compared with it.
+struct MapQuery {
   const PlaceMap& map;
   std::span<const Seed> asked;
 };
 
-// Whether the points as measured fit better elsewhere than the corrected ones where they are. Both
-// ask of the same places or points, in the same order.
-SensorPlace Compare(const PlacedPoints& points, const Question& raw, const Question& corrected,
-                    const Elsewhere& elsewhere, const Demands& demands) {
+// Whether the points as measured fit better elsewhere than the corrected ones where they are.
+// @param raw, corrected  have the same places or points in the same order.
+SensorPlace Compare(const PlacedPoints& points, const MapQuery& raw, const MapQuery& corrected,
+                    const Placement& elsewhere, const Thresholds& thresholds) {
   SensorPlace place{.move_px = elsewhere.move_px,
                     .spread = elsewhere.spread,
                     .scale = elsewhere.scale,
@@ -195,8 +195,8 @@ SensorPlace Compare(const PlacedPoints& points, const Question& raw, const Quest
   Count as_is, moved;
   for (size_t i = 0; i < corrected.asked.size(); ++i) {
     const Seed& match = corrected.asked[i];
-    const PlaceMap::Vote here = corrected.map.Ask(match, {});
-    const PlaceMap::Vote there = raw.map.Ask(raw.asked[i], elsewhere);
+    const PlaceMap::Vote here = corrected.map.Compare(match, {});
+    const PlaceMap::Vote there = raw.map.Compare(raw.asked[i], elsewhere);
     if (here == PlaceMap::Vote::kNone || there == PlaceMap::Vote::kNone) continue;
     as_is.Add(here);
     moved.Add(there);
@@ -214,11 +214,11 @@ SensorPlace Compare(const PlacedPoints& points, const Question& raw, const Quest
                                    place.move_px.y / points.spacing_px.height);
   const bool is_far = !place.IsMove() || pixels >= 1;
   // Where stereo itself errs less, so many are enough: what does not agree anywhere is its errors.
-  const double enough = std::min(demands.gain, 1 - place.agree_moved);
-  place.is_displaced = is_far && as_is.compared >= RangeRules::kFewestCompared &&
-                       place.agree_moved > demands.fits &&
-                       place.gain_sigmas > demands.strictness * RangeRules::kMoveSigmas &&
-                       place.agree_moved - place.agree_as_is > demands.strictness * enough;
+  const double enough = std::min(thresholds.gain, 1 - place.agree_moved);
+  place.is_displaced = is_far && as_is.compared >= RangeRules::kMinCompared &&
+                       place.agree_moved > thresholds.fits &&
+                       place.gain_sigmas > thresholds.strictness * RangeRules::kMoveSigmas &&
+                       place.agree_moved - place.agree_as_is > thresholds.strictness * enough;
   return place;
 }
 
@@ -236,12 +236,13 @@ SensorPlace FindSensorPlace(const PlacedPoints& points, std::span<const Seed> ma
   PlaceMap corrected(points, points.spacing_px, agree_px);
   for (const ProjectedPoint& point : points.raw) raw.Put(point.seed);
   for (const ProjectedPoint& point : points.corrected) corrected.Put(point.seed);
-  const Demands demands{RangeRules::kMoveFits, RangeRules::kMoveGain, strictness};
+  const Thresholds thresholds{RangeRules::kMoveFits, RangeRules::kMoveGain, strictness};
   PlaceSearch search(raw, matches);
   SensorPlace best;
-  for (const Elsewhere& elsewhere :
+  for (const Placement& elsewhere :
        {search.BestMove(points.image.width), search.BestSpread(), search.BestScale()}) {
-    best = Better(best, Compare(points, {raw, matches}, {corrected, matches}, elsewhere, demands));
+    best =
+        Better(best, Compare(points, {raw, matches}, {corrected, matches}, elsewhere, thresholds));
   }
   return best;
 }
@@ -257,14 +258,14 @@ SensorPlace FindScanPlace(const PlacedPoints& points, std::span<const Seed> matc
     raw.push_back(points.raw[i].seed);
     corrected.push_back(seed);
   }
-  const Demands demands{0, RangeRules::kScanMoveGain, strictness};
+  const Thresholds thresholds{0, RangeRules::kScanMoveGain, strictness};
   PlaceSearch search(map, raw);
   const int steps_down = RangeRules::kMoveSteps * points.image.height / points.image.width;
   SensorPlace best;
-  for (const Elsewhere& elsewhere :
+  for (const Placement& elsewhere :
        {search.BestMove(points.image.width, steps_down), search.BestShear(),
-        Elsewhere{.move_px = {}, .in_right_image = true}}) {
-    best = Better(best, Compare(points, {map, raw}, {map, corrected}, elsewhere, demands));
+        Placement{.move_px = {}, .in_right_image = true}}) {
+    best = Better(best, Compare(points, {map, raw}, {map, corrected}, elsewhere, thresholds));
   }
   // So far they are what the matches would have to be moved by.
   best.move_px = -best.move_px;

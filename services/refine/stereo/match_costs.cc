@@ -66,7 +66,7 @@ HWY_INLINE Bytes SlopesOf(const uint8_t* const (&rows)[kWindow], int u) {
                   half([](Bytes x) HWY_ATTR { return Widened<1>(x); }));
 }
 
-// A bit for each pixel of the 5×5 windows but their centres, whether it is darker; and slopes.
+// The census bits of the 5×5 windows (whether a pixel is darker than the centre), and the slopes.
 // @param rows   the windows', from the first column of the first window on.
 // @param count  of pixels; up to 15 more are written.
 void DescribeOnTarget(const uint8_t* const (&rows)[kWindow], int count,

@@ -32,8 +32,8 @@ static_assert(kMaxPath < kNever && kNever + StereoRules::SmallStep(false) <= UIN
 // is never so near to a whole number that rounding could reach it.
 inline uint8_t LargeStep(int difference) {
   using Rules = StereoRules;
-  constexpr float kMost = Rules::kLargeStep * Rules::kHalfLargeAt;
-  const float step = kMost / static_cast<float>(Rules::kHalfLargeAt + difference);
+  constexpr float kNumerator = Rules::kLargeStep * Rules::kHalfLargeAt;
+  const float step = kNumerator / static_cast<float>(Rules::kHalfLargeAt + difference);
   return static_cast<uint8_t>(std::max(Rules::kMinLarge, static_cast<int>(step)));
 }
 

@@ -118,7 +118,7 @@ int LabelsAt(int scale, int max_disparity_px) {
   return (max_disparity_px / scale + 2 + kLabels - 1) / kLabels * kLabels;
 }
 
-// Takes away what hangs together with fewer than StereoRules::kSmallestPatch others. The build asks
+// Takes away what hangs together with fewer than StereoRules::kMinPatch others. The build asks
 // the compiler to make vectors of the loops along rows.
 void RemoveSmallPatches(cv::Mat1f disparity_px) {
   constexpr float kCountsPerPx = 16;  // for cv::filterSpeckles, which takes whole numbers
@@ -135,7 +135,7 @@ void RemoveSmallPatches(cv::Mat1f disparity_px) {
       row[u] = static_cast<int16_t>(static_cast<int>(known));
     }
   });
-  cv::filterSpeckles(counts, kNone, StereoRules::kSmallestPatch, kCountsPerPx);
+  cv::filterSpeckles(counts, kNone, StereoRules::kMinPatch, kCountsPerPx);
   for_each_row([&](float* px, const int16_t* row) {
     for (int u = 0; u < counts.cols; ++u) {
       px[u] = row[u] == kNone ? std::numeric_limits<float>::quiet_NaN() : px[u];

@@ -43,7 +43,7 @@ struct StereoRules {
   /// Most that the mean of a pair differs from the seed's pixel on one surface, px. By trial.
   static constexpr double kSurfacePx = 1;
   /// Fewest of the 13 pairs that must be known. By trial.
-  static constexpr int kFewestPairs = 8;
+  static constexpr int kMinPairs = 8;
   /// Windows overlap, so disparities share errors: one in so many is independent. By trial.
   static constexpr double kSharing = 4;
   /// Standard deviation of what all disparities around err alike, px of the matched image: their
@@ -77,7 +77,7 @@ struct StereoRules {
   /// What a finer image may add to a coarser one's range, px. By trial.
   static constexpr int kBeyondPx = 2;
   /// Fewest pixels of a connected patch of disparities. By trial: smaller patches are mostly wrong.
-  static constexpr int kSmallestPatch = 50;
+  static constexpr int kMinPatch = 50;
 
   // The data term, eq. (M5), in census bits of the 5×5 window.
   static constexpr int kCensusRadius = 2;

@@ -57,7 +57,7 @@ std::optional<Surface> SurfaceAt(const cv::Mat1f& map, int u, int v) {
       slopes.Add(1, x, y, (double{one} - opposite) / 2);
     }
   }
-  if (pairs < StereoRules::kFewestPairs) return {};
+  if (pairs < StereoRules::kMinPairs) return {};
   return Surface{own + sum / pairs,
                  std::hypot(StereoRules::kSharedSigmaPx,
                             std::sqrt(squares / pairs * StereoRules::kSharing / pairs)),

@@ -15,22 +15,23 @@ double SharedSigmaPx(const Seed& point, double noise_px) {
 
 }  // namespace
 
-bool UnsurePoints::Is(const Seed& point, const RangeNoise& noise) {
+bool UnsurePoints::IsUnsure(const Seed& point, const RangeNoise& noise) {
   const double noise_px = noise.PxAt(point.disparity());
-  return SharedSigmaPx(point, std::min(noise_px, RangeRules::kMostNoisePx)) > RangeRules::kUnsurePx;
+  return SharedSigmaPx(point, std::min(noise_px, RangeRules::kMaxNoisePx)) > RangeRules::kUnsurePx;
 }
 
 int UnsurePoints::Drop(const CellGrid& grid, const RangeNoise& noise, std::span<const Seed> stereo,
                        std::vector<Seed>& points) {
   others_.clear();
   std::ranges::copy_if(points, std::back_inserter(others_),
-                       [&](const Seed& point) { return !Is(point, noise); });
+                       [&](const Seed& point) { return !IsUnsure(point, noise); });
   if (others_.size() == points.size()) return 0;
   others_.insert(others_.end(), stereo.begin(), stereo.end());
   surface_.Set(others_, grid);
   return static_cast<int>(std::erase_if(points, [&](const Seed& point) {
     const cv::Point cell = grid.CellOf(point.u, point.v);
-    return Is(point, noise) && grid.Has(cell) && surface_.SigmaPx(cell) < double{point.sigma_px};
+    return IsUnsure(point, noise) && grid.Has(cell) &&
+           surface_.SigmaPx(cell) < double{point.sigma_px};
   }));
 }
 

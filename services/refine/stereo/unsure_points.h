@@ -17,7 +17,7 @@ class UnsurePoints {
   ///               neighbours share.
   /// @returns whether that error, or noise of which the mean over neighbours is still large, is
   /// such that stereo may be surer. O(1).
-  static bool Is(const Seed& point, const RangeNoise& noise);
+  static bool IsUnsure(const Seed& point, const RangeNoise& noise);
 
   /// Drops unsure points where an interpolation between the others and stereo's seeds is surer than
   /// they, eq. (M1) of the README.

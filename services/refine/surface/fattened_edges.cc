@@ -36,8 +36,8 @@ std::vector<EdgePoint> FindEdge(const TofSurface& surface, const cv::Mat1f& disp
 struct Differences {
   double own = 0, beyond = 0;
 
-  bool Wrong(double factor) const { return own > factor * beyond; }
-  bool Right(double factor) const { return beyond > factor * own; }
+  bool PreferBeyond(double factor) const { return own > factor * beyond; }
+  bool PreferOwn(double factor) const { return beyond > factor * own; }
 };
 
 Differences Compare(const cv::Mat1b& left, const cv::Mat1b& right, const Seed& seed,
@@ -64,8 +64,8 @@ Fattening DropFattened(const TofSurface& surface, const cv::Mat1b& left, const c
   const auto compare = [&](const EdgePoint& of) {
     return Compare(left, right, points[of.point].seed, of.beyond_px);
   };
-  const int most = std::max(SurfaceRules::kMostFattened,
-                            cvRound(SurfaceRules::kMostFattenedPx / surface.spacing_px()));
+  const int most = std::max(SurfaceRules::kMaxFattened,
+                            cvRound(SurfaceRules::kMaxFattenedPx / surface.spacing_px()));
   Fattening found;
   std::vector<uint8_t> dropped(points.size(), 0);
   for (; found.width < most; ++found.width) {
@@ -73,14 +73,14 @@ Fattening DropFattened(const TofSurface& surface, const cv::Mat1b& left, const c
     size_t wrong = 0, judged = 0;
     for (size_t i = 0; i < edge.size(); i += edge.size() / SurfaceRules::kEdgeSample + 1) {
       const Differences differences = compare(edge[i]);
-      const bool is_wrong = differences.Wrong(SurfaceRules::kClearlyBetter);
+      const bool is_wrong = differences.PreferBeyond(SurfaceRules::kClearlyBetter);
       wrong += is_wrong ? 1 : 0;
-      judged += is_wrong || differences.Right(SurfaceRules::kClearlyBetter) ? 1 : 0;
+      judged += is_wrong || differences.PreferOwn(SurfaceRules::kClearlyBetter) ? 1 : 0;
     }
     const double allowed = SurfaceRules::kWrongEdges * static_cast<double>(judged);
-    if (judged < SurfaceRules::kFewestEdges || static_cast<double>(wrong) <= allowed) break;
+    if (judged < SurfaceRules::kMinEdges || static_cast<double>(wrong) <= allowed) break;
     for (const EdgePoint& of : edge) {
-      if (!compare(of).Wrong(1)) continue;
+      if (!compare(of).PreferBeyond(1)) continue;
       dropped[of.point] = 1;
       disparities(surface.CellOf(points[of.point])) = of.beyond_px;  // for the next pixels
     }

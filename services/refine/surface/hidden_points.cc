@@ -149,7 +149,7 @@ const std::vector<Hidden>& TofSurface::FindHidden(std::span<const ProjectedPoint
   hidden_.assign(points.size(), {});
   if (rule.reach <= 0) return hidden_;
   const double cell_px =
-      std::max(SurfaceRules::kSmallestCellPx, rule.reach * std::max(piece_px_.x, piece_px_.y));
+      std::max(SurfaceRules::kMinCellPx, rule.reach * std::max(piece_px_.x, piece_px_.y));
   const auto look = [&](size_t count, float Seed::*column, View& view) {
     view.positions.clear();
     for (const auto& [u, v, seed] : points.first(count)) {

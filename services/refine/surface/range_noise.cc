@@ -30,8 +30,7 @@ double SigmaOf(std::vector<float>& offs) {
 
 // @param sample  sorted by disparity.
 int PowerOf(std::span<const Deviation> sample, double infinity_px) {
-  const size_t bins =
-      std::min(sample.size() / SurfaceRules::kFewestOfBin, SurfaceRules::kNoiseBins);
+  const size_t bins = std::min(sample.size() / SurfaceRules::kMinPerBin, SurfaceRules::kNoiseBins);
   std::array<double, kPowers> least, most;
   least.fill(HUGE_VAL);
   most.fill(0);
@@ -125,7 +124,7 @@ std::vector<double> NoiseOfBlocks(const std::vector<Deviation>& deviations, size
   for (const Deviation& deviation : deviations) offs[deviation.block].push_back(deviation.off_px);
   std::vector<double> noise_px;
   for (std::vector<float>& of_block : offs) {
-    const bool few = of_block.size() < SurfaceRules::kFewestOfBlock;
+    const bool few = of_block.size() < SurfaceRules::kMinPerBlock;
     noise_px.push_back(few ? 0 : SigmaOf(of_block));
   }
   return noise_px;

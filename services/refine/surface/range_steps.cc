@@ -20,7 +20,7 @@ void AddStepSigma(const RectifiedPair& pair, const TofImage& tof,
   const size_t sample = depths.size();
   std::ranges::sort(depths);
   depths.erase(std::unique(depths.begin(), depths.end()), depths.end());
-  if (depths.size() < SurfaceRules::kFewestSteps ||
+  if (depths.size() < SurfaceRules::kMinSteps ||
       sample < SurfaceRules::kPointsOfStep * depths.size()) {
     return;
   }

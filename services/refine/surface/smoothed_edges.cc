@@ -38,10 +38,9 @@ void AddWidths(const TofSurface& surface, cv::Point cell, const cv::Point& way, 
 
 // The width that a quarter of the edges stay below. Slants are left out of them.
 double SharpestOf(std::vector<double>& widths) {
-  std::erase_if(widths, [](double width) { return width > SurfaceRules::kWidestEdge; });
-  return widths.size() < SurfaceRules::kFewestEdges
-             ? 1
-             : Quantile(widths, SurfaceRules::kSharpestEdges);
+  std::erase_if(widths, [](double width) { return width > SurfaceRules::kMaxEdgeWidth; });
+  return widths.size() < SurfaceRules::kMinEdges ? 1
+                                                 : Quantile(widths, SurfaceRules::kSharpestEdges);
 }
 
 // Along columns alone slanted floors look like edges; along rows a pixel that sees both surfaces

@@ -38,7 +38,7 @@ struct SurfaceRules {
   /// groups of equally many; with fewer in one it is taken for the same everywhere.
   static constexpr size_t kNoiseSample = 3000;
   static constexpr size_t kNoiseBins = 6;
-  static constexpr size_t kFewestOfBin = 100;
+  static constexpr size_t kMinPerBin = 100;
   /// A higher power has to leave less than this part of the ratio of the groups' largest to their
   /// smallest noise. Simulated SR4000s, whose noise differs by what is dark, have ratios of up to
   /// 2.6, of which 0.6 and more are left; a sensor with the same noise in metres 14, of which 0.1.
@@ -47,7 +47,7 @@ struct SurfaceRules {
   /// from so many px and times the noise of the frame on: right sensors have as much in hardly more
   /// than the dark parts of Art (NOTES.md).
   static constexpr int kBlockCells = 8;
-  static constexpr size_t kFewestOfBlock = 25;
+  static constexpr size_t kMinPerBlock = 25;
   static constexpr double kNoisyBlockPx = 3;
   static constexpr double kNoisyBlock = 3;
   /// How far beside a point they are matched, px.
@@ -68,7 +68,7 @@ struct SurfaceRules {
   /// fewer values each may be that of a surface.
   static constexpr size_t kStepSample = 4000;
   static constexpr size_t kPointsOfStep = 16;
-  static constexpr size_t kFewestSteps = 8;
+  static constexpr size_t kMinSteps = 8;
   /// Finer steps do no harm, px: growth searches that far.
   static constexpr double kCoarseStepPx = 1.2;
 
@@ -79,8 +79,8 @@ struct SurfaceRules {
   /// Largest slant of a surface, px of disparity a px: over wide cells a slant makes neighbours
   /// differ by more than the tolerance. By trial.
   static constexpr double kSteepest = 0.22;
-  /// Fewer points, most of them loose, do not show that the sensor gives noise.
-  static constexpr int kFewestOfNoise = 30;
+  /// With fewer points, loose ones do not show that the sensor gives noise.
+  static constexpr int kMinNoisePoints = 30;
   /// A loose point stays where the windows differ this many times less than at its neighbours'
   /// disparities. By trial.
   static constexpr double kMuchBetter = 2;
@@ -94,8 +94,8 @@ struct SurfaceRules {
     return std::max(kEdgePx, kSteepest * spacing_px);
   }
   /// What is wider is a slant, ToF pixels; of fewer edges nothing is told.
-  static constexpr double kWidestEdge = 8;
-  static constexpr size_t kFewestEdges = 30;
+  static constexpr double kMaxEdgeWidth = 8;
+  static constexpr size_t kMinEdges = 30;
   /// So many of the edges have to be wide: slants and round surfaces make wide ones of some. That
   /// quantile is 1.00 of exact ranges of 13 scenes, up to 1.38 of simulated SR4000s and of means
   /// over all of a pixel; 1.46 and more after a Gaussian of 0.7 pixels.
@@ -123,8 +123,8 @@ struct SurfaceRules {
   static constexpr double kWrongEdges = 0.35;
   /// Edges do not reach so many ToF pixels and px too far: a stale or wrapped part of the image
   /// does.
-  static constexpr int kMostFattened = 4;
-  static constexpr double kMostFattenedPx = 32;
+  static constexpr int kMaxFattened = 4;
+  static constexpr double kMaxFattenedPx = 32;
 
   // Hidden points.
   /// What a piece may lie off beside its point, px of disparity a px: its neighbours show its
@@ -147,7 +147,7 @@ struct SurfaceRules {
   static constexpr double kNoise = 2e-4;
   /// Smallest side of the cells for looking up points, px. It affects time and, where points crowd,
   /// how many of them are kept.
-  static constexpr double kSmallestCellPx = 2;
+  static constexpr double kMinCellPx = 2;
   /// Most pieces of such a cell that hide others, the nearest ones: more than a sensor as fine as
   /// the images has.
   static constexpr size_t kMaxPieces = 32;

@@ -150,7 +150,7 @@ void RangeUnwrapper::FindSurfaces(double step_m) {
 }
 
 RangeUnwrapper::Verdict RangeUnwrapper::Judge(const std::vector<cv::Point>& surface) const {
-  if (surface.size() < UnwrappingRules::kFewest) return Verdict::kNear;
+  if (surface.size() < UnwrappingRules::kMinPoints) return Verdict::kNear;
   double preference = 0;
   double albedo = 0;
   for (const cv::Point& pixel : surface) {
@@ -161,7 +161,7 @@ RangeUnwrapper::Verdict RangeUnwrapper::Judge(const std::vector<cv::Point>& surf
   if (preference > UnwrappingRules::kClearly * points) return Verdict::kFar;
   // Unless the images speak against it.
   if (preference > -UnwrappingRules::kUnclearly * points &&
-      albedo < UnwrappingRules::kBlackest * median_albedo_ * points) {
+      albedo < UnwrappingRules::kMinAlbedo * median_albedo_ * points) {
     return Verdict::kFar;
   }
   return preference > UnwrappingRules::kUnclearly * points ? Verdict::kUnsure : Verdict::kNear;

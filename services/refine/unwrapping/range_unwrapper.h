@@ -21,7 +21,7 @@ struct UnwrappingRules {
   /// other surfaces run into one.
   static constexpr double kSteepest = 2.5;
   /// Fewest points of a surface that is decided on: fewer show no mean. By trial.
-  static constexpr int kFewest = 30;
+  static constexpr int kMinPoints = 30;
   /// Mean preference of a surface that is far. Measured: the correlation's mean is up to 0.05 at
   /// the wrong place, and 0.12 or more at a surface's own.
   static constexpr double kClearly = 0.1;
@@ -29,7 +29,7 @@ struct UnwrappingRules {
   static constexpr double kUnclearly = 0.05;
   /// Share of the median albedo: a surface below it is blacker than real ones, which have 3 to 90
   /// %.
-  static constexpr double kBlackest = 1 / 30.0;
+  static constexpr double kMinAlbedo = 1 / 30.0;
 };
 
 /// Finds surfaces beyond the unambiguous range of a phase camera, which come back that range too

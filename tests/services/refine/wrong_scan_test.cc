@@ -89,7 +89,7 @@ TEST(WrongScan, IsNoRightOneBesideAPairThatIsTurned) {
     return cv::Point(at.x, at.y - static_cast<int>(std::lround(0.01 * (at.x - 200))));
   };
   const RangeError error = ErrorBesideRight(turned);
-  EXPECT_TRUE(error.ShowsNothing());
+  EXPECT_TRUE(error.IsUnknown());
   EXPECT_GE(error.columns_px, 1);
 }
 

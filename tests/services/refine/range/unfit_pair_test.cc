@@ -105,7 +105,7 @@ TEST(UnfitPair, MovesNoRightPointsBesideAPairWhoseColumnsAreOff) {
   for (const Wall& wall : {WallBeside(0.4, 1), WallBeside(0, 1.01)}) {
     Refiner refiner(config);
     const auto set = refiner.Compute(wall.left, wall.right, wall.tof, TofProjector(wall.rig));
-    EXPECT_TRUE(refiner.found().range_error.ShowsNothing());
+    EXPECT_TRUE(refiner.found().range_error.IsUnknown());
     EXPECT_EQ(set->contradicted, 0);
     EXPECT_GT(ShareWithin(*set, 0.1), 0.97);
   }
@@ -149,7 +149,7 @@ TEST(UnfitPair, BelievesPointsThatAreFarOffBesideAPairThatMatchesNowhere) {
       {.left = wall.left, .right = wall.right, .rig = wall.rig, .surface = surface},
       {.matches = [] { return std::span<const Seed>(); }}, kept);
   EXPECT_TRUE(error.pair_unfit);
-  EXPECT_FALSE(error.Refuses());
+  EXPECT_FALSE(error.RejectsAll());
   for (size_t i = 0; i < points.size(); ++i) {
     EXPECT_EQ(kept[i].seed.disparity(), points[i].seed.disparity());
   }

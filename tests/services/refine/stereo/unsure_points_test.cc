@@ -29,12 +29,12 @@ std::vector<Seed> HalfUnsure() {
 }
 
 TEST(UnsurePoints, NoiseOfOnePixelMakesNoPointUnsure) {
-  EXPECT_FALSE(UnsurePoints::Is(PointAt(5, 5, 20, 0), kPointNoise));
-  EXPECT_FALSE(UnsurePoints::Is(PointAt(5, 5, 20, 0.2), kPointNoise));
-  EXPECT_TRUE(UnsurePoints::Is(PointAt(5, 5, 20, 0.3), kPointNoise));
+  EXPECT_FALSE(UnsurePoints::IsUnsure(PointAt(5, 5, 20, 0), kPointNoise));
+  EXPECT_FALSE(UnsurePoints::IsUnsure(PointAt(5, 5, 20, 0.2), kPointNoise));
+  EXPECT_TRUE(UnsurePoints::IsUnsure(PointAt(5, 5, 20, 0.3), kPointNoise));
   for (const float noise_px : {1.0F, 3.0F}) {
     const Seed point{.u = 5, .v = 5, .u_right = -15, .sigma_px = noise_px};
-    EXPECT_EQ(UnsurePoints::Is(point, {.scale = noise_px}), noise_px > 2);
+    EXPECT_EQ(UnsurePoints::IsUnsure(point, {.scale = noise_px}), noise_px > 2);
   }
 }
 

@@ -89,7 +89,7 @@ TEST(RangeUnwrapper, LeavesAFewPointsAlone) {
     const double range_m = 0.6 * WallDepthM(scene);
     SetWrappedWall(range_m, scene);
     scene.tof.depth_m.rowRange(rows, 8) = kNoReturn;
-    const bool enough = 10 * rows >= UnwrappingRules::kFewest;
+    const bool enough = 10 * rows >= UnwrappingRules::kMinPoints;
     EXPECT_EQ(OnWall(*scene.Refine(WithRange(range_m))) > 0, enough) << rows;
   }
 }
