@@ -14,11 +14,11 @@
 namespace sprout::grow {
 namespace {
 
-// What says that the prior is not that of the seeds, but of another scale or sign; else empty. Of
+// Says that the prior is not that of the seeds, but of another scale or sign; else empty. Of
 // Sprout's own priors at most 8 % of the seeds are so far away, in 271 frames with good and wrong
 // ranges.
-std::string Contradiction(std::span<const Seed> seeds, const PriorMap& prior) {
-  constexpr double kLeastPx = 2;
+std::string ContradictionText(std::span<const Seed> seeds, const PriorMap& prior) {
+  constexpr double kMinPx = 2;
   constexpr double kSigmas = 4;
   constexpr size_t kOneIn = 4;
   size_t contradicted = 0;
@@ -27,7 +27,7 @@ std::string Contradiction(std::span<const Seed> seeds, const PriorMap& prior) {
     const cv::Point at(cvRound(seed.u), cvRound(seed.v));
     if (!cv::Rect({}, prior.size()).contains(at) || !prior.disparity.IsValid(at.x, at.y)) continue;
     const double px = prior.disparity.Px(at.x, at.y);
-    const double limit_px = std::max(kLeastPx, kSigmas * SigmaToPx(prior.sigma(at)));
+    const double limit_px = std::max(kMinPx, kSigmas * SigmaToPx(prior.sigma(at)));
     if (std::abs(px - seed.disparity()) <= limit_px) continue;
     if (contradicted++ == 0) {
       first = cv::format("%g px at (%d, %d), the seed %g", px, at.x, at.y, seed.disparity());
@@ -38,16 +38,17 @@ std::string Contradiction(std::span<const Seed> seeds, const PriorMap& prior) {
          std::to_string(seeds.size()) + " seeds: it has " + first;
 }
 
-// What says that the images do not show the seeds, as those of another program in another unit;
-// else empty. Of seeds with texture so few match better, by eq. (1), than 3 px nearer and farther
-// that chance would give more: in 100 frames, by sums of absolute differences, 9 to 31 % where all
-// are wrong by a factor or 5 px, and at least 54 % of right ones.
-std::string Mismatch(const cv::Mat1b& left, const cv::Mat1b& right, std::span<const Seed> seeds) {
+// Says that the images do not show the seeds, as those of another program in another unit; else
+// empty. Then fewer of the seeds with texture match better, by eq. (1), than 3 px nearer and
+// farther, than chance would give: in 100 frames, by sums of absolute differences, 9 to 31 % where
+// all are wrong by a factor or 5 px, and at least 54 % of right ones.
+std::string MismatchText(const cv::Mat1b& left, const cv::Mat1b& right,
+                         std::span<const Seed> seeds) {
   constexpr int kStepPx = 3;
   constexpr int kRadius = 2;
   constexpr double kMargin = kRadius - 0.5;
   constexpr int kPixels = (2 * kRadius + 1) * (2 * kRadius + 1);
-  constexpr int kLeastSigma = 4;  // of a window with texture, grey levels
+  constexpr int kMinSigma = 4;  // of a window with texture, grey levels
   constexpr size_t kEnough = 1000;
   int textured = 0;
   int matched = 0;
@@ -68,7 +69,7 @@ std::string Mismatch(const cv::Mat1b& left, const cv::Mat1b& right, std::span<co
       return variance == 0 ? 0 : 2.0 * both / (variance + of_right);
     };
     const double here = mncc(0);
-    if (variance < kPixels * kPixels * kLeastSigma * kLeastSigma) continue;
+    if (variance < kPixels * kPixels * kMinSigma * kMinSigma) continue;
     ++textured;
     matched += here > std::max(mncc(-kStepPx), mncc(kStepPx)) ? 1 : 0;
   }
@@ -85,21 +86,21 @@ std::string Mismatch(const cv::Mat1b& left, const cv::Mat1b& right, std::span<co
 GrowAdapter::Growth GrowAdapter::Grow(const Frame& frame) {
   Growth growth;
   if (const int columns = ColumnsBelowZero(frame.seeds->seeds); columns == 0) {
-    growth = GrowFrom0(frame);
+    growth = GrowNonNegative(frame);
   } else {
     Frame wide = Widened(frame, columns);
-    growth = GrowFrom0(wide);
+    growth = GrowNonNegative(wide);
     growth.columns = columns;
     growth.wide = std::move(wide);
   }
   if (!frame.prior || frame.prior->size() != frame.left.size()) return growth;
-  const std::string contradiction = Contradiction(frame.seeds->seeds, *frame.prior);
+  const std::string contradiction = ContradictionText(frame.seeds->seeds, *frame.prior);
   growth.contradicted = !contradiction.empty();
   growth.degenerate = JoinedTexts(growth.degenerate, contradiction);
   return growth;
 }
 
-GrowAdapter::Growth GrowAdapter::GrowFrom0(const Frame& frame) {
+GrowAdapter::Growth GrowAdapter::GrowNonNegative(const Frame& frame) {
   const cv::Mat1b left = ToGrey(GreyestLeft(frame), left_grey_);
   const cv::Mat1b right = ToGrey(GreyestRight(frame), right_grey_);
   const PriorMap prior = frame.prior.value_or(PriorMap());
@@ -107,7 +108,7 @@ GrowAdapter::Growth GrowAdapter::GrowFrom0(const Frame& frame) {
   growth.seeds = frame.seeds->seeds;
   Result<DisparityImage> grown = grower_.Compute(left, right, growth.seeds, prior);
   if (!grown) {
-    growth.refused = true;
+    growth.is_unfit = true;
     growth.map = DisparityImage(left.size());
     growth.degenerate = grown.error().text;
     return growth;
@@ -123,19 +124,19 @@ GrowAdapter::Growth GrowAdapter::GrowFrom0(const Frame& frame) {
   } else if (!growth.map.AnyValid()) {
     growth.degenerate = "nothing grew from " + std::to_string(growth.seeds.size()) + " seeds";
   }
-  growth.degenerate = JoinedTexts(growth.degenerate, Mismatch(left, right, growth.seeds));
+  growth.degenerate = JoinedTexts(growth.degenerate, MismatchText(left, right, growth.seeds));
   return growth;
 }
 
-// @param doubt  what is wrong with the pair, and bounds the confidence; else empty.
+// @param doubt  gets what is wrong with the pair if that bounds the confidence; else empty.
 ConfidenceEstimator::Judgement GrowAdapter::Judge(const Frame& frame, const Growth& growth,
                                                   const DisparityImage& filled,
                                                   std::string& doubt) {
-  // Where nothing grew the pair shows nothing; of its own seeds not even one was confirmed. Beside
-  // a wrong prior growth finds what looks like it.
+  // Nothing is sure where the pair has confirmed none of its own seeds, or the prior is wrong: then
+  // growth finds what resembles it.
   const bool has_ranges = std::ranges::any_of(
       growth.seeds, [](const Seed& seed) { return seed.origin == SeedOrigin::kTof; });
-  if (growth.refused || growth.contradicted || (!growth.map.AnyValid() && !has_ranges)) {
+  if (growth.is_unfit || growth.contradicted || (!growth.map.AnyValid() && !has_ranges)) {
     return {cv::Mat1b(filled.size(), uint8_t{0}), cv::Mat1b(filled.size(), kMaxSigmaCounts)};
   }
   const cv::Mat1b left = ToGrey(GreyestLeft(frame), left_grey_);
@@ -149,17 +150,17 @@ ConfidenceEstimator::Judgement GrowAdapter::Judge(const Frame& frame, const Grow
 }
 
 StageResult GrowAdapter::Finish(const Frame& frame, const Growth& growth) {
-  if (growth.columns == 0) return FinishFrom0(frame, growth);
-  StageResult result = FinishFrom0(growth.wide, growth);
+  if (growth.columns == 0) return FinishNonNegative(frame, growth);
+  StageResult result = FinishNonNegative(growth.wide, growth);
   Narrow(result, growth.columns, frame.left.size());
   return result;
 }
 
-StageResult GrowAdapter::FinishFrom0(const Frame& frame, const Growth& growth) {
+StageResult GrowAdapter::FinishNonNegative(const Frame& frame, const Growth& growth) {
   StageResult outcome{.outputs = {}, .degenerate = growth.degenerate};
   if (config_.publish_unfilled()) outcome.outputs.push_back({Part::kUnfilled, growth.map});
   // Images that do not fit together say nothing about the prior either.
-  const auto fill = growth.refused ? GrowConfig::NONE : config_.fill();
+  const auto fill = growth.is_unfit ? GrowConfig::NONE : config_.fill();
   DisparityImage filled =
       gap_filler_.Fill(growth.map, fill, frame.prior ? frame.prior->disparity : DisparityImage());
   ConfidenceEstimator::Judgement judgement;

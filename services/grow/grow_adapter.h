@@ -25,11 +25,11 @@ class GrowAdapter : public StageAdapter {
   /// sizes give no disparity.
   StageResult Process(const Frame& frame) override { return Finish(frame, Grow(frame)); }
 
-  /// What grew.
+  /// The map before gap filling, and what it grew from.
   struct Growth {
     std::vector<Seed> seeds;    ///< that it started from
     DisparityImage map;         ///< of the left image's size
-    bool refused = false;       ///< the images or the prior do not fit together
+    bool is_unfit = false;      ///< the images or the prior do not fit together
     bool contradicted = false;  ///< seeds and prior are not of one scene: nothing is sure
     std::string degenerate;     ///< why nothing grew, or what does not fit together
     int columns = 0;            ///< of the frame that it grew in, see Widened()
@@ -42,8 +42,8 @@ class GrowAdapter : public StageAdapter {
   StageResult Finish(const Frame& frame, const Growth& growth);
 
  private:
-  Growth GrowFrom0(const Frame& frame);
-  StageResult FinishFrom0(const Frame& frame, const Growth& growth);
+  Growth GrowNonNegative(const Frame& frame);
+  StageResult FinishNonNegative(const Frame& frame, const Growth& growth);
   ConfidenceEstimator::Judgement Judge(const Frame& frame, const Growth& growth,
                                        const DisparityImage& filled, std::string& doubt);
 

@@ -8,10 +8,10 @@
 #include "common/core/parallel.h"
 #include "services/grow/paper/plain_growth.h"
 
-// A pixel whose prior has a standard deviation below GrowthRule::least_open is swept: it chooses
-// among up to 15 disparities around the prior, without a queue (sweep/). All others with a prior
-// are "open" and grow best first as in the paper (paper/plain_growth.cc; with EPC its fast twin,
-// sweep/growth_kernel.cc). With preset paper, MNCC and EXPSSD all are open.
+// A pixel whose prior has a standard deviation below GrowthRule::min_open_sigma is swept: it
+// chooses among up to 15 disparities around the prior, without a queue (sweep/). All others with a
+// prior are "open" and grow best first as in the paper (paper/plain_growth.cc; with EPC its fast
+// twin, sweep/growth_kernel.cc). With preset paper, MNCC and EXPSSD all are open.
 
 namespace sprout::grow {
 namespace {
@@ -94,7 +94,7 @@ Result<DisparityImage> Grower::Compute(const cv::Mat1b& left, const cv::Mat1b& r
   if (sweep == nullptr) return GrowPlainly(rule_, input, rounded);
   Renew(map_, size);
   CutIntoBands(size.height);
-  if (rule_.least_open > 0) {
+  if (rule_.min_open_sigma > 0) {
     Sweep(sweep, input, rounded);
   } else {  // all pixels are open
     map_.counts() = DisparityImage::kInvalid;

@@ -57,8 +57,8 @@ void ConfidenceEstimator::SpreadSeeds(std::span<const Seed> seeds) {
   SpreadNearness(features_.seed, seed_memory_);
 }
 
-// Neighbours match each by itself where the prior is unsure: how far they disagree shows how much
-// of it is guessed.
+// Where the prior is unsure each pixel is matched by itself: how far neighbours disagree shows how
+// much is guessed.
 void ConfidenceEstimator::AverageBends() {
   constexpr int kRadius = 6;
   constexpr int kSide = 2 * kRadius + 1;

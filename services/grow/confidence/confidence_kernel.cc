@@ -23,7 +23,8 @@ using Ints = std::vector<int32_t>;
 
 inline uint8_t ToByte(int value) { return static_cast<uint8_t>(std::clamp(value, 0, 255)); }
 
-// The larger and the smaller of 3 rows; repeated ends, so that a window of 3 always fits.
+// The largest and the smallest of 3 rows in each column; the ends are repeated, so that a window of
+// 3 always fits.
 void FindRangeOfRows(const DisparityImage& map, int v, int16_t* HWY_RESTRICT most,
                      int16_t* HWY_RESTRICT least) {
   const int width = map.width();
@@ -134,7 +135,7 @@ class CellMatcher {
       const int off = difference[x - 1] + difference[x] + difference[x + 1];
       const int all = energy[x - 1] + energy[x] + energy[x + 1];
       misfits[x] = ToByte(255 + LevelOf(off + 1) - LevelOf(all + 1));
-      flats[x] = ToByte(kMostTexture - LevelOf(texture[x - 1] + texture[x] + texture[x + 1] + 9));
+      flats[x] = ToByte(kMaxTexture - LevelOf(texture[x - 1] + texture[x] + texture[x + 1] + 9));
       margins[x] = ToByte(128 - all5(margin, x));
       const int counts = kCountUnit * all5(count, x);
       gaps[x] = static_cast<uint8_t>(counts);
@@ -143,11 +144,11 @@ class CellMatcher {
   }
 
  private:
-  static constexpr int kRadius = 2;         // of the windows of margin, gaps and blank
-  static constexpr int kMostTexture = 307;  // LevelOf(9 · 255²)
-  static constexpr int kCountUnit = 10;     // 255 / number of cells in the window, rounded down
-  static constexpr int kBlank = 1 << 16;    // beside a gap, which counts 1
-  static constexpr int kReach = 1024 + 8;   // as far as a disparity leads, and a census word
+  static constexpr int kRadius = 2;        // of the windows of margin, gaps and blank
+  static constexpr int kMaxTexture = 307;  // LevelOf(9 · 255²)
+  static constexpr int kCountUnit = 10;    // 255 / number of cells in the window, rounded down
+  static constexpr int kBlank = 1 << 16;   // beside a gap, which counts 1
+  static constexpr int kReach = 1024 + 8;  // as far as a disparity leads, and a census word
   using Rows = std::array<Ints, 2 * kRadius + 1>;
 
   // Costs of the cells of a row, in the place of the row five above. Beyond an image: those of its
@@ -258,7 +259,7 @@ void MatchCellsOnTarget(const cv::Mat1b& left, const cv::Mat1b& right, const Dis
   }
 }
 
-// A row of cells to as many rows of pixels as there are.
+// Copies a row of cells to its rows of pixels; `none` where there is no disparity.
 void ExpandRow(const Bytes& cells, const DisparityImage& map, int y, uint8_t none, Bytes& twice,
                cv::Mat1b& pixels) {
   const uint8_t* HWY_RESTRICT once = cells.data();

@@ -7,8 +7,8 @@
 #include "common/core/prior_map.h"
 #include "services/grow/confidence/confidence_model.h"
 
-// What the confidence is computed from, in whole numbers: the same bytes on every CPU. All of it is
-// known once for each cell of 2×2 pixels, at its upper left pixel; seeds for each block of 4×4.
+// The features of the confidence, in whole numbers: the same bytes on every CPU. They are computed
+// once for each cell of 2×2 pixels, at its upper left pixel; seeds for each block of 4×4.
 namespace sprout::grow {
 
 inline constexpr int kCellPx = 2;
@@ -38,15 +38,15 @@ struct ConfidenceFeatures {
   cv::Mat1b rough;     ///< blocks: mean bend of the 13×13 blocks around
 };
 
-/// Writes rows of cells of step, bend, and edge: 255 for a step above 1 px, else 0. They have the
-/// size.
+/// Writes rows of cells of step, bend, and edge: 255 for a step above 1 px, else 0. These images
+/// have the size CellsOf().
 void FindSteps(const DisparityImage& filled, const cv::Range& rows, ConfidenceFeatures& features);
 
 /// Marks 255, all else 0, to nearness. O(pixels).
 /// @param memory  two rows.
 void SpreadNearness(cv::Mat1b& marks, std::vector<uint8_t>& memory);
 
-/// Writes rows of cells of misfit, flat, margin, gaps and blank, which have the size.
+/// Writes rows of cells of misfit, flat, margin, gaps and blank, images of the size CellsOf().
 /// @param left, right, grown  of the map's size; grown: before gap filling.
 void MatchCells(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
                 const DisparityImage& filled, const cv::Range& rows, ConfidenceFeatures& features);

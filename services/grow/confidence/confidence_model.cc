@@ -16,9 +16,9 @@ using Values = google::protobuf::RepeatedField<int32_t>;
 constexpr int kKnotStep = 16;
 constexpr int kKnots = 256 / kKnotStep + 1;
 // Twelve curves and the start stay below 2¹⁶.
-constexpr int kMost = 4700;
+constexpr int kMaxValue = 4700;
 
-// The level of each value of the feature: what the knots count.
+// Maps the values of a feature to its level, at which the knots of its curve stand.
 std::function<int(int)> LevelsOf(Curve::Feature feature) {
   switch (feature) {
     case Curve::EDGE:
@@ -63,7 +63,7 @@ ConfidenceTables::Table& TableOf(Curve::Feature feature, ConfidenceTables& table
 }
 
 // Doubt falls with the distance to an edge, and rises with all other levels.
-bool Falls(Curve::Feature feature) { return feature == Curve::EDGE; }
+bool IsFalling(Curve::Feature feature) { return feature == Curve::EDGE; }
 
 void Check(const Curve& curve, const Values& values, const std::string& what) {
   if (values.size() != kKnots) {
@@ -71,20 +71,20 @@ void Check(const Curve& curve, const Values& values, const std::string& what) {
                       " values; allowed: " + std::to_string(kKnots));
   }
   for (int i = 0; i < kKnots; ++i) {
-    if (values[i] < 0 || values[i] > kMost) {
+    if (values[i] < 0 || values[i] > kMaxValue) {
       throw ConfigError(what + ": " + std::to_string(values[i]) + "; allowed: 0 to " +
-                        std::to_string(kMost));
+                        std::to_string(kMaxValue));
     }
     if (i == 0) continue;
-    if (Falls(curve.feature()) ? values[i] > values[i - 1] : values[i] < values[i - 1]) {
+    if (IsFalling(curve.feature()) ? values[i] > values[i - 1] : values[i] < values[i - 1]) {
       throw ConfigError(what + ": " + std::to_string(values[i]) + " after " +
                         std::to_string(values[i - 1]) + "; allowed: values that " +
-                        (Falls(curve.feature()) ? "never rise" : "never fall"));
+                        (IsFalling(curve.feature()) ? "never rise" : "never fall"));
     }
   }
 }
 
-// Straight between the knots.
+// The value of a curve at a level, linear between the knots.
 uint32_t At(const Values& values, int level) {
   const int knot = level / kKnotStep;
   const int rest = level % kKnotStep;

@@ -25,15 +25,15 @@ inline uint8_t Less(uint8_t nearness, uint8_t by) {
   return static_cast<uint8_t>(std::max(nearness, by) - by);
 }
 
-inline constexpr int kFarthestCells = 64;  // of one pass along a row; all passes: 127 > 255 / 3
-inline constexpr uint8_t kBeside = 3;      // the mask of Borgefors
+inline constexpr int kMaxCells = 64;   // of one pass along a row; all passes: 127 > 255 / 3
+inline constexpr uint8_t kBeside = 3;  // the mask of Borgefors
 inline constexpr uint8_t kAcross = 4;
 
 // From both sides along a row: passes of 1, 2, 4 ... cells.
-// @param from, to  with kFarthestCells zeros on either side.
+// @param from, to  with kMaxCells zeros on either side.
 inline void SpreadAlongRow(uint8_t* row, int width, uint8_t* from, uint8_t* to) {
   std::copy_n(row, width, from);
-  for (int cells = 1; cells <= kFarthestCells; cells *= 2) {
+  for (int cells = 1; cells <= kMaxCells; cells *= 2) {
     const auto loss = static_cast<uint8_t>(kBeside * cells);
     const uint8_t* HWY_RESTRICT old = from;
     uint8_t* HWY_RESTRICT spread = to;
@@ -61,9 +61,9 @@ inline void SpreadToRow(const uint8_t* HWY_RESTRICT from, int width, uint8_t* HW
 
 // First along the rows, then down and up: a shortest way of the mask can be walked in this order.
 inline void SpreadNearnessOnTarget(cv::Mat1b& marks, Bytes& memory) {
-  const auto size = static_cast<size_t>(marks.cols + 2 * kFarthestCells);
+  const auto size = static_cast<size_t>(marks.cols + 2 * kMaxCells);
   memory.assign(2 * size, 0);
-  uint8_t* const one = memory.data() + kFarthestCells;
+  uint8_t* const one = memory.data() + kMaxCells;
   for (int y = 0; y < marks.rows; ++y) SpreadAlongRow(marks[y], marks.cols, one, one + size);
   for (int y = 1; y < marks.rows; ++y) SpreadToRow(marks[y - 1], marks.cols, marks[y]);
   for (int y = marks.rows - 1; y-- > 0;) SpreadToRow(marks[y + 1], marks.cols, marks[y]);

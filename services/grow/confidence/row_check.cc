@@ -26,11 +26,11 @@ struct RowRules {
   static constexpr int kUpDown = 8;      ///< rows that are searched, px to either side
   static constexpr int kSideways = 1;    ///< columns: a disparity that is right to 1 px is right
   static constexpr double kMinGrey = 2;  ///< of a corner: its gradient in all directions
-  static constexpr size_t kFewest = 60;  ///< corners that say something
-  static constexpr double kSigmas = 2;   ///< see RowCheck::right_share
+  static constexpr size_t kMinCorners = 60;  ///< with fewer nothing is said
+  static constexpr double kSigmas = 2;       ///< see RowCheck::right_share
   /// Corners stand beside edges, where growth errs more often than it claims, most between coarse
   /// ranges: of right pairs no less than this share of what it claims is found.
-  static constexpr double kOfClaimed = 0.8;
+  static constexpr double kMinClaimedShare = 0.8;
 };
 
 constexpr int kParts = RowRules::kColumns * RowRules::kRows;
@@ -46,8 +46,9 @@ cv::Rect PartAt(int index, cv::Size size) {
   return {from, to};
 }
 
-// 1 for the parts that, with those beside them, have no more range points than matches of stereo.
-cv::Mat1b PartsOfImages(std::span<const Seed> seeds, cv::Size size) {
+// 1 for the parts that, with those beside them, have no more range points than stereo seeds: only
+// there the map depends on the pair.
+cv::Mat1b StereoParts(std::span<const Seed> seeds, cv::Size size) {
   cv::Mat1i more(RowRules::kRows, RowRules::kColumns, 0);  // range points
   for (const Seed& seed : seeds) {
     if (!IsInside(seed.u, seed.v, size, -0.5)) continue;
@@ -55,16 +56,16 @@ cv::Mat1b PartsOfImages(std::span<const Seed> seeds, cv::Size size) {
          cvFloor((seed.u + 0.5) * RowRules::kColumns / size.width)) +=
         seed.origin == SeedOrigin::kTof ? 1 : -1;
   }
-  cv::Mat1b of_images(more.size());
+  cv::Mat1b is_stereo(more.size());
   for (int y = 0; y < more.rows; ++y) {
     for (int x = 0; x < more.cols; ++x) {
       const cv::Rect around = cv::Rect(x - 1, y - 1, 3, 3) & cv::Rect({}, more.size());
       int sum = 0;
       for (const int count : more(around)) sum += count;
-      of_images(y, x) = sum <= 0 ? 1 : 0;
+      is_stereo(y, x) = sum <= 0 ? 1 : 0;
     }
   }
-  return of_images;
+  return is_stereo;
 }
 
 // The least mean square of the gradient over a window in any direction, grey levels² a px.
@@ -112,8 +113,8 @@ std::optional<inputs::Match> MatchOf(const cv::Mat1b& left, const cv::Mat1b& rig
   return inputs::Match{.left = at, .right = cv::Point2d(u_right, at.y + TopOf(likeness) - kUpDown)};
 }
 
-// The strongest corner of a part that can be asked, and its match.
-std::optional<inputs::Match> AskPart(const JudgedFrame& frame, const cv::Rect& part) {
+// The match of the strongest corner of a part; nothing where no window fits or has texture.
+std::optional<inputs::Match> MatchPart(const JudgedFrame& frame, const cv::Rect& part) {
   const DisparityImage& map = frame.filled;
   constexpr int kMargin = RowRules::kRadius + RowRules::kUpDown + 1;
   double best = RowRules::kMinGrey * RowRules::kMinGrey;
@@ -139,11 +140,11 @@ std::optional<inputs::Match> AskPart(const JudgedFrame& frame, const cv::Rect& p
 
 RowCheck CheckRows(const JudgedFrame& frame, const cv::Mat1b& confidence) {
   const cv::Size size = frame.filled.size();
-  const cv::Mat1b of_images = PartsOfImages(frame.seeds, size);
+  const cv::Mat1b is_stereo = StereoParts(frame.seeds, size);
   std::array<std::optional<inputs::Match>, kParts> asked;
   ForEachParallel(asked.size(), [&](size_t i) {
     const auto part = static_cast<int>(i);
-    if (of_images.data[i] != 0) asked[i] = AskPart(frame, PartAt(part, size));
+    if (is_stereo.data[i] != 0) asked[i] = MatchPart(frame, PartAt(part, size));
   });
   inputs::Matches matches;
   matches.most_rows_px = RowRules::kUpDown;
@@ -154,7 +155,7 @@ RowCheck CheckRows(const JudgedFrame& frame, const cv::Mat1b& confidence) {
     check.claimed += confidence(cv::Point(match->left)) / 255.0;
   }
   const auto count = static_cast<double>(matches.matches.size());
-  if (matches.matches.size() < RowRules::kFewest) return {};
+  if (matches.matches.size() < RowRules::kMinCorners) return {};
   check.claimed /= count;
   const inputs::PairModel model = inputs::FitPair(matches, size);
   // Wrong ones agree by chance; of another scene no rows are better than the own ones.
@@ -174,7 +175,7 @@ RowCheck CheckRows(const JudgedFrame& frame, const cv::Mat1b& confidence) {
 
 std::string BoundByRows(const JudgedFrame& frame, ConfidenceEstimator::Judgement& judgement) {
   const RowCheck check = CheckRows(frame, judgement.confidence);
-  const double most = RowRules::kOfClaimed * check.claimed;
+  const double most = RowRules::kMinClaimedShare * check.claimed;
   const double columns_px = std::max(1.0, check.columns_px);
   if (check.right_share >= most && columns_px == 1) return {};
   const double factor = std::min(1.0, check.right_share / std::max(most, 1e-9)) / columns_px;
@@ -186,9 +187,9 @@ std::string BoundByRows(const JudgedFrame& frame, ConfidenceEstimator::Judgement
     sigmas(i) = counts == kMaxSigmaCounts || columns_px == 1 ? counts : SigmaToCounts(sigma_px);
   }
   const cv::Size size = frame.filled.size();
-  const cv::Mat1b of_images = PartsOfImages(frame.seeds, size);
+  const cv::Mat1b is_stereo = StereoParts(frame.seeds, size);
   for (int i = 0; i < kParts; ++i) {
-    if (of_images.data[i] == 0) continue;
+    if (is_stereo.data[i] == 0) continue;
     cv::Mat1b confidence = judgement.confidence(PartAt(i, size));
     cv::Mat1b sigma = judgement.sigma(PartAt(i, size));
     cv::LUT(confidence, confidences, confidence);

@@ -38,7 +38,7 @@ GrowthRule MakeGrowthRule(const GrowConfig& config) {
   while (rule.KeyOf(rule.limit) >= kKeys) ++rule.key_shift;
   rule.levels_per_cost = (kLevels << GrowthRule::kLevelFraction) / (rule.limit + 1);
   rule.photo_scale = static_cast<float>(kCostUnit / (mncc ? 1 : config.sigma_s_squared()));
-  rule.least_wide = rule.least_open = kMaxSigmaCounts + 1;
+  rule.min_wide_sigma = rule.min_open_sigma = kMaxSigmaCounts + 1;
   for (size_t counts = rule.prior_scales.size(); counts-- > 0;) {
     const double sigma_px = SigmaToPx(static_cast<uint8_t>(counts));
     const double sigma_p_counts = SigmaP(config, sigma_px) * DisparityImage::kCountsPerPixel;
@@ -48,13 +48,13 @@ GrowthRule MakeGrowthRule(const GrowConfig& config) {
     const auto is_beyond = [&](int px) {
       return rule.prior_reaches[counts] >= px * DisparityImage::kCountsPerPixel;
     };
-    if (is_beyond(1)) rule.least_wide = static_cast<int>(counts);
-    if (is_beyond(kSweptPx)) rule.least_open = static_cast<int>(counts);
+    if (is_beyond(1)) rule.min_wide_sigma = static_cast<int>(counts);
+    if (is_beyond(kSweptPx)) rule.min_open_sigma = static_cast<int>(counts);
   }
-  if (rule.similarity != GrowConfig::EPC) rule.least_wide = rule.least_open = 0;
+  if (rule.similarity != GrowConfig::EPC) rule.min_wide_sigma = rule.min_open_sigma = 0;
   // Pixels with two candidates all have one scale.
-  std::fill_n(rule.prior_scales.begin(), rule.least_wide, rule.prior_scales[0]);
-  std::fill_n(rule.prior_reaches.begin(), rule.least_wide, rule.prior_reaches[0]);
+  std::fill_n(rule.prior_scales.begin(), rule.min_wide_sigma, rule.prior_scales[0]);
+  std::fill_n(rule.prior_reaches.begin(), rule.min_wide_sigma, rule.prior_reaches[0]);
   return rule;
 }
 

@@ -24,7 +24,7 @@ inline constexpr int32_t kCostUnit = 1 << 20;
 
 /// Larger costs are cut to this one: 8 units, beyond every limit, −ln 0.001 = 6.9 units; and a
 /// whole number that fits into the 23 bits of a float's fraction.
-inline constexpr float kLargestCost = (1 << 23) - 1;
+inline constexpr float kMaxCost = (1 << 23) - 1;
 
 /// Cost of a disparity whose window does not fit: above all others, with two bits to spare for the
 /// rank of a disparity.
@@ -103,13 +103,13 @@ struct GrowthRule {
 
   /// Smallest standard deviation, counts, of a pixel to which the prior leaves more than the two
   /// whole disparities on either side of it; for smaller ones σ_p is sigma_p_px.
-  int least_wide = 0;
+  int min_wide_sigma = 0;
 
   /// Smallest standard deviation, counts, of an open pixel: one to which the prior leaves
   /// disparities that are kSweptPx or more from its own. kMaxSigmaCounts + 1: no pixel is open. 0:
   /// every pixel is, without a prior or where sigma_p_px alone leaves so many (preset paper).
-  int least_open = 0;
-  bool IsOpen(uint8_t sigma) const { return sigma >= least_open; }
+  int min_open_sigma = 0;
+  bool IsOpen(uint8_t sigma) const { return sigma >= min_open_sigma; }
 
   /// A cost's key, 0 to kKeys − 1. @param cost  not above the limit.
   int32_t KeyOf(int32_t cost) const { return cost >> key_shift; }

@@ -51,7 +51,7 @@ int32_t CostOf(const GrowthRule& rule, const GrowthInput& input, const Correspon
     const float scale = rule.prior_scales[input.prior.sigma(q.v, q.u)];
     cost += HWY_NAMESPACE::PriorCost(static_cast<float>(distance), scale);
   }
-  return static_cast<int32_t>(std::min(cost, kLargestCost));
+  return static_cast<int32_t>(std::min(cost, kMaxCost));
 }
 
 int32_t CostWhereItFits(const GrowthRule& rule, const GrowthInput& input, const Correspondence& q) {

@@ -65,10 +65,10 @@ class PlainGrowth {
   }
 
   bool IsOpen(int u, int v) const {
-    return rule_.least_open == 0 || rule_.IsOpen(input_.prior.sigma(v, u));
+    return rule_.min_open_sigma == 0 || rule_.IsOpen(input_.prior.sigma(v, u));
   }
 
-  // Whole disparities; their right pixels are matched.
+  // Puts the swept pixels into the map, in whole disparities; their right pixels are matched.
   void TakeOver(const DisparityImage& swept) {
     for (int v = 0; v < map_.height(); ++v) {
       for (int u = 0; u < map_.width(); ++u) {
@@ -80,7 +80,7 @@ class PlainGrowth {
     }
   }
 
-  // Open pixels from those matched around them, in the order of rows.
+  // Visits open pixels from the matched pixels around them, row by row.
   void StartBesideSwept(size_t band) {
     const cv::Range rows = RowsOf(band);
     for (int v = rows.start; v < rows.end; ++v) {
@@ -140,7 +140,7 @@ class PlainGrowth {
     right_matched = 1;
   }
 
-  // From the pixels of a neighbouring band, from left to right, as the last round has left them.
+  // Grows from a neighbouring band's border row, as the last round left it, from left to right.
   void CrossFrom(const cv::Mat1s& before, int from, int to) {
     if (from < 0 || from >= before.rows) return;
     for (int u = 0; u < before.cols; ++u) {

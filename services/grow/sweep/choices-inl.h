@@ -162,7 +162,7 @@ class Choice {
       const V sigma = hn::PromoteTo(d, hn::LoadU(d8, row_.sigmas + u));
       const M inside = hn::AndNot(hn::Eq(prior, hn::Set(d, DisparityImage::kInvalid)),
                                   hn::Lt(hn::Iota(d, u), hn::Set(d, width - kWindowRadius)));
-      const M open = hn::And(inside, hn::Gt(sigma, hn::Set(d, rule_.least_open - 1)));
+      const M open = hn::And(inside, hn::Gt(sigma, hn::Set(d, rule_.min_open_sigma - 1)));
       any_open = hn::Or(any_open, open);
       const M swept = hn::AndNot(open, inside);
       const Best best = BestOf(u, prior, sigma, swept);
@@ -212,7 +212,7 @@ class Choice {
   HWY_INLINE Best BestOf(int u, V prior, V sigma, M wanted) const {
     const D d;
     if constexpr (!kWide) return BestOfTwo(u, prior, wanted);
-    const M is_wide = hn::And(wanted, hn::Gt(sigma, hn::Set(d, rule_.least_wide - 1)));
+    const M is_wide = hn::And(wanted, hn::Gt(sigma, hn::Set(d, rule_.min_wide_sigma - 1)));
     if (hn::AllFalse(d, is_wide)) return BestOfTwo(u, prior, wanted);
     const Best of_all = BestOfAll(u, prior, sigma, is_wide);
     const M is_sure = hn::AndNot(is_wide, wanted);

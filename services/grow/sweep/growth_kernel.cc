@@ -29,7 +29,7 @@ const GrowthKernel* KernelOnTarget() { return nullptr; }
 inline constexpr SeedQueue::Id kInitial = SeedQueue::Id{1} << 31;
 
 // Level in the queue of seeds of what must not be matched: behind all levels.
-inline constexpr int kRefused = kLevels;
+inline constexpr int kRejected = kLevels;
 
 struct Match {
   int disparity;
@@ -86,7 +86,7 @@ class Growth {
     LeftPixel& pixel = left_[id];
     if (pixel.disparity != LeftPixel::kFree) return;
     const Match best = BestOfThree(id, d);  // Steps 6 and 7
-    if (best.level == kRefused) return;     // Step 8
+    if (best.level == kRejected) return;    // Step 8
     uint8_t& right = right_[static_cast<ptrdiff_t>(id) - best.disparity];
     if (right != kUnmatched) return;
     queue_.Push(id, best.level, pixel.next);                 // Step 9
@@ -119,18 +119,18 @@ class Growth {
     const LeftPixel& pixel = left_[id];
     const auto sigma = static_cast<uint8_t>(pixel.sigma);
     if (std::abs(d * kOne - pixel.prior) > rule_.prior_reaches[sigma] + kOne) {
-      return {d, kRefused};  // eq. (5) alone rules out d − 1, d and d + 1
+      return {d, kRejected};  // eq. (5) alone rules out d − 1, d and d + 1
     }
     const FourNumbers costs = ToNumbers(FourCosts(rule_, band_, id, pixel.prior, sigma, d));
     Match best{d, 0};
     int32_t cost = costs[1];
     if (costs[2] < cost) best.disparity = d - 1, cost = costs[2];
     if (costs[0] < cost) best.disparity = d + 1, cost = costs[0];
-    best.level = cost <= rule_.limit ? rule_.LevelOf(cost) : kRefused;
+    best.level = cost <= rule_.limit ? rule_.LevelOf(cost) : kRejected;
     return best;
   }
 
-  // Those beyond the band's border rows are kClosed.
+  // Neighbours beyond the band's border rows are kClosed.
   bool HasOpenNeighbour(PixelId id) const {
     const auto is_open = [&](PixelId at)
                              HWY_ATTR { return left_[at].disparity == LeftPixel::kFree; };
@@ -185,8 +185,9 @@ class RowTable {
       const auto columns = hn::Iota(d, u);
       const auto inside =
           hn::And(hn::Gt(columns, hn::Set(d, kWindowRadius - 1)), hn::Lt(columns, hn::Set(d, end)));
-      const auto open = hn::And(hn::And(inside, hn::Gt(sigma, hn::Set(d, rule_.least_open - 1))),
-                                hn::Ne(prior, hn::Set(d, DisparityImage::kInvalid)));
+      const auto open =
+          hn::And(hn::And(inside, hn::Gt(sigma, hn::Set(d, rule_.min_open_sigma - 1))),
+                  hn::Ne(prior, hn::Set(d, DisparityImage::kInvalid)));
       static_assert(DisparityImage::kCountsPerPixel == 1 << 5);
       const auto whole = hn::ShiftRight<5>(hn::Add(counts, hn::Set(d, 1 << 4)));
       const auto matched = hn::And(hn::Ne(counts, hn::Set(d, DisparityImage::kInvalid)),
@@ -203,7 +204,7 @@ class RowTable {
   size_t RowSize() const { return static_cast<size_t>(width() + kRunPixels); }
 
   void MatchRight(int r) {
-    if (band_.has_open[static_cast<size_t>(r)] == 0) return;  // nobody asks
+    if (band_.has_open[static_cast<size_t>(r)] == 0) return;  // no pixel asks for them
     uint8_t* const right = band_.right.data() + band_.PixelAt(r, 0);
     for (int u = kWindowRadius; u < width() - kWindowRadius; ++u) {
       const int16_t counts = counts_[static_cast<size_t>(u)];

@@ -77,7 +77,7 @@ class PlainSweep {
     });
   }
 
-  // From each seed's four neighbours, where they are within one disparity of it, on to all that is
+  // Marks each seed's four neighbours, where they are within one disparity of it, and all that is
   // linked with them: neighbours within one disparity of each other.
   cv::Mat1b Reach(std::span<const Correspondence> seeds) const {
     cv::Mat1b reached(matched_.size(), uint8_t{0});
@@ -103,14 +103,14 @@ class PlainSweep {
     return reached;
   }
 
-  // What no seed reaches. @returns the right pixels that become free.
+  // Erases what no seed reaches. @returns the right pixels that become free.
   std::vector<bool> Erase(int v, const cv::Mat1b& reached) {
     std::vector<bool> free(static_cast<size_t>(matched_.cols), false);
     for (int u = 0; u < matched_.cols; ++u) {
       if (matched_(v, u) == kNone || reached(v, u) != 0) continue;
       free[static_cast<size_t>(u - matched_(v, u))] = true;
       matched_(v, u) = kNone;
-      ClaimAt(u, v) = {};  // and no second one
+      ClaimAt(u, v) = {};  // an erased pixel does not claim again
     }
     return free;
   }
@@ -158,7 +158,7 @@ class PlainSweep {
 
 DisparityImage SweepPlainly(const GrowthRule& rule, const GrowthInput& input,
                             std::span<const Correspondence> seeds) {
-  if (rule.least_open == 0) return DisparityImage(input.left.size());
+  if (rule.min_open_sigma == 0) return DisparityImage(input.left.size());
   return PlainSweep(rule, input).Run(seeds);
 }
 

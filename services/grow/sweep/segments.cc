@@ -103,7 +103,7 @@ class SegmentFinder {
   std::vector<int32_t> before_;  // the segment at a word's first column, unless one begins there
 };
 
-// The segments of the four neighbours of seeds, where they are within one disparity.
+// Marks the segments of the four neighbours of seeds, where they are within one disparity.
 void MarkReached(const int16_t* counts, int width, int v, const SeedsByRow& seeds,
                  const SegmentFinder& finder, SweepBand& band) {
   const auto mark = [&](int u, int d) {
@@ -120,7 +120,7 @@ void MarkReached(const int16_t* counts, int width, int v, const SeedsByRow& seed
   for (const Correspondence& seed : seeds.Row(v + 1)) mark(seed.u, seed.d);
 }
 
-// What right pixels that are free again cost in a row.
+// The right pixels of a row that are free again, and the least key of the claims on each.
 class FreeRightPixels {
  public:
   explicit FreeRightPixels(int width) : least_(static_cast<size_t>(width), kTaken) {}

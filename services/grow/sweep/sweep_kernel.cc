@@ -34,7 +34,7 @@ inline constexpr int kLanes16 = static_cast<int>(hn::MaxLanes(D16()));
 
 inline constexpr int kBeside = 4 * kRunPixels;  // entries on either side of a row
 
-// One row after the other: pairs of pixels and energies of one window's rows stay in the cache.
+// Sweeps one row after the other: the sums of one window's rows stay in the cache.
 class Sweep {
  public:
   Sweep(const GrowthRule& rule, const GrowthInput& input, SweepBand& band, DisparityImage& map)
@@ -166,7 +166,7 @@ class Sweep {
     const uint8_t* const sigmas = sigmas_.data();
     uint8_t unsurest = 0;
     for (int u = 0; u < width_; ++u) unsurest = std::max(unsurest, sigmas[u]);
-    return unsurest >= rule_.least_wide ? choose(std::true_type()) : choose(std::false_type());
+    return unsurest >= rule_.min_wide_sigma ? choose(std::true_type()) : choose(std::false_type());
   }
 
   // Calls act(u − d, mask) for each disparity d that there is among the pixels from u on, which are

@@ -66,7 +66,7 @@ HWY_INLINE V EpcCosts(const GrowthRule& rule, F energies, F differences, F dista
   const F photo = PhotoCost(differences, energies, hn::Set(df, rule.photo_scale));
   const F prior = PriorCost(distances, scale);
   // Sums over windows that do not fit may lead below 0.
-  const F cost = hn::Floor(Clamped(hn::Add(photo, prior), hn::Zero(df), hn::Set(df, kLargestCost)));
+  const F cost = hn::Floor(Clamped(hn::Add(photo, prior), hn::Zero(df), hn::Set(df, kMaxCost)));
   // Added to 2²³ a whole number stands in the bits of the fraction: fewer instructions than
   // ConvertTo(), which minds what is too large.
   const F base = hn::Set(df, 1 << 23);

@@ -17,7 +17,7 @@ TEST(GrowthRule, LimitIsTheCostOfTheThreshold) {
   EXPECT_EQ(Rule("similarity: MNCC").limit, kCostUnit / 2);
   const GrowthRule smallest = Rule("similarity: EXPSSD threshold: 0.001");
   EXPECT_EQ(smallest.limit, std::lround(std::log(1000.0) * kCostUnit));
-  EXPECT_LT(smallest.limit, kLargestCost);
+  EXPECT_LT(smallest.limit, kMaxCost);
 }
 
 TEST(GrowthRule, LevelsHaveEqualWidthsUpToTheLimit) {
@@ -43,7 +43,7 @@ TEST(GrowthRule, KeysOfAcceptedCostsFitInto15Bits) {
 }
 
 TEST(GrowthRule, WithoutAPriorEveryPixelIsOpen) {
-  EXPECT_EQ(Rule("sigma_p_px: 0.7 similarity: EXPSSD").least_open, 0);
+  EXPECT_EQ(Rule("sigma_p_px: 0.7 similarity: EXPSSD").min_open_sigma, 0);
 }
 
 TEST(GrowthRule, SigmaPFollowsFormulaS1) {
@@ -57,16 +57,16 @@ TEST(GrowthRule, SigmaPFollowsFormulaS1) {
 
 // With τ = 0.5 a distance of 7 px is within the limit from σ_p = 7 / √(2·ln 2) = 5.945 px on.
 TEST(GrowthRule, APixelIsOpenWhereThePriorAlonePassesADistanceOfSevenPixels) {
-  EXPECT_EQ(Rule("sigma_p_noise: 0 sigma_p_px: 5.93").least_open, kMaxSigmaCounts + 1);
-  EXPECT_EQ(Rule("sigma_p_noise: 0 sigma_p_px: 5.96").least_open, 0);
+  EXPECT_EQ(Rule("sigma_p_noise: 0 sigma_p_px: 5.93").min_open_sigma, kMaxSigmaCounts + 1);
+  EXPECT_EQ(Rule("sigma_p_noise: 0 sigma_p_px: 5.96").min_open_sigma, 0);
 }
 
 // The same for a pixel: 0.849 px.
 TEST(GrowthRule, APixelHasMoreThanTwoCandidatesWhereThePriorAlonePassesADistanceOfAPixel) {
-  EXPECT_EQ(Rule("sigma_p_noise: 0 sigma_p_px: 0.84").least_wide, kMaxSigmaCounts + 1);
-  EXPECT_EQ(Rule("sigma_p_noise: 0 sigma_p_px: 0.86").least_wide, 0);
+  EXPECT_EQ(Rule("sigma_p_noise: 0 sigma_p_px: 0.84").min_wide_sigma, kMaxSigmaCounts + 1);
+  EXPECT_EQ(Rule("sigma_p_noise: 0 sigma_p_px: 0.86").min_wide_sigma, 0);
   const GrowthRule rule = Rule("sigma_p_px: 0.8 sigma_p_noise: 1 sigma_p_sure_px: 0");
-  EXPECT_EQ(rule.least_wide, 14);  // of 1/16 px: 0.875; 13 are 0.8125
+  EXPECT_EQ(rule.min_wide_sigma, 14);  // of 1/16 px: 0.875; 13 are 0.8125
   EXPECT_EQ(rule.prior_scales[13], rule.prior_scales[0]) << "below, σ_p is sigma_p_px";
   EXPECT_LT(rule.prior_scales[14], rule.prior_scales[13]);
   EXPECT_LT(rule.prior_reaches[13], DisparityImage::kCountsPerPixel);

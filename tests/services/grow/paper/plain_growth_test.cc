@@ -96,7 +96,7 @@ TEST(Similarity, NothingMatchesWhereThePriorIsEmpty) {
 TEST(Similarity, BrightestImagesDoNotOverflow) {
   cv::Mat1b left(5, 8, uint8_t{255});
   const cv::Mat1b right(5, 8, uint8_t{0});
-  EXPECT_EQ(CostAt(GrowConfig::EXPSSD, left, right, 1), double{kLargestCost} * kStep);  // of 10
+  EXPECT_EQ(CostAt(GrowConfig::EXPSSD, left, right, 1), double{kMaxCost} * kStep);  // of 10
   left.colRange(3, 5) = 0;
   EXPECT_EQ(CostAt(GrowConfig::MNCC, left, left, 0), 0);
 }
@@ -107,7 +107,7 @@ TEST(Similarity, HugeExponentsAreCutBelowWhatDoesNotFit) {
   const PriorMap prior = ConstantPrior({8, 5}, 1000);
   const int32_t cost =
       CostOf(MakeGrowthRule(config), {LeftExample(), RightExample(), prior}, {4, 2, 1});
-  EXPECT_EQ(cost, kLargestCost);
+  EXPECT_EQ(cost, kMaxCost);
   EXPECT_LT(cost, kExcludedCost);
 }
 
