@@ -25,13 +25,13 @@ Result<PriorMap> PriorAdapter::Estimate(const Frame& frame) {
 
 StageResult PriorAdapter::Process(const Frame& frame) {
   const int columns = ColumnsBelowZero(SeedsOf(frame));
-  if (columns == 0) return ProcessFrom0(frame);
-  StageResult result = ProcessFrom0(Widened(frame, columns));
+  if (columns == 0) return ProcessNonNegative(frame);
+  StageResult result = ProcessNonNegative(Widened(frame, columns));
   Narrow(result, columns, frame.left.size());
   return result;
 }
 
-StageResult PriorAdapter::ProcessFrom0(const Frame& frame) {
+StageResult PriorAdapter::ProcessNonNegative(const Frame& frame) {
   Result<PriorMap> prior = Estimate(frame);
   StageResult outcome;
   if (!prior) {

@@ -25,7 +25,7 @@ class PriorAdapter : public StageAdapter {
   StageResult Process(const Frame& frame) override;
 
  private:
-  StageResult ProcessFrom0(const Frame& frame);
+  StageResult ProcessNonNegative(const Frame& frame);
   std::span<const Seed> SeedsOf(const Frame& frame);
   Result<PriorMap> Estimate(const Frame& frame);
 

@@ -26,12 +26,12 @@ int ThirdCorner(const Triangulation& triangulation, int from, int to) {
   return around[static_cast<size_t>(at + 1) % around.size()];
 }
 
-// Sides of the hull that are longer than this, in spacings, lead past seeds that lie less than the
-// other one inside of them. Measured (NOTES.md); not sensitive.
-constexpr double kLongestSpacings = 3;
-constexpr double kDeepestSpacings = 1;
+// A triangle on the hull is flat if its side there is longer, and its third corner less deep, than
+// so many spacings of the seeds. Measured (NOTES.md); not sensitive.
+constexpr double kMaxSideSpacings = 3;
+constexpr double kMaxDepthSpacings = 1;
 
-Result<Triangulation> TriangulateOrSayWhy(std::span<const Seed> seeds) {
+Result<Triangulation> CheckedTriangulation(std::span<const Seed> seeds) {
   // Appended, since GCC 14 warns of what + makes inside.
   const auto fail = [&](const char* why) {
     std::string text = std::to_string(seeds.size());
@@ -59,8 +59,8 @@ void RenewMaps(PriorMap& map, cv::Size size) {
 
 }  // namespace
 
-void TakeOffFlatTriangles(std::span<const Seed> seeds, double longest_px, double deepest_px,
-                          Triangulation& triangulation) {
+void RemoveFlatTriangles(std::span<const Seed> seeds, double max_side_px, double max_depth_px,
+                         Triangulation& triangulation) {
   if (triangulation.hull.empty()) return;
   std::vector<uint8_t> on_outline(seeds.size(), 0);
   for (const int seed : triangulation.hull) on_outline[static_cast<size_t>(seed)] = 1;
@@ -71,10 +71,10 @@ void TakeOffFlatTriangles(std::span<const Seed> seeds, double longest_px, double
     const double u = double{b.u} - a.u;
     const double v = double{b.v} - a.v;
     const double length = std::sqrt(u * u + v * v);
-    return length > longest_px && on_outline[static_cast<size_t>(third)] == 0 &&
-           std::abs(u * (double{c.v} - a.v) - v * (double{c.u} - a.u)) < deepest_px * length;
+    return length > max_side_px && on_outline[static_cast<size_t>(third)] == 0 &&
+           std::abs(u * (double{c.v} - a.v) - v * (double{c.u} - a.u)) < max_depth_px * length;
   };
-  // Seeds that are still to come, the next one last.
+  // The seeds of the hull that are still to be visited, the next one last.
   std::vector<int> ahead(triangulation.hull.rbegin(), triangulation.hull.rend());
   ahead.insert(ahead.begin(), ahead.back());
   std::vector<int> outline{ahead.back()};
@@ -93,7 +93,7 @@ void TakeOffFlatTriangles(std::span<const Seed> seeds, double longest_px, double
       ahead.pop_back();
     }
   }
-  outline.pop_back();  // the first one again
+  outline.pop_back();  // it is the first one
   triangulation.hull = outline;
   for (SeedTriangle& triangle : flat) std::sort(triangle.begin(), triangle.end());
   std::sort(flat.begin(), flat.end());
@@ -137,12 +137,13 @@ Result<PriorMap> PriorEstimator::Compute(const cv::Mat& left, const cv::Mat& rig
     return Fail("a prior of " + SizeText(size) + ": allowed are up to " + std::to_string(kMaxSide) +
                 " pixels a side");
   }
-  return uses_images() ? WithEdges(left, left_grey, right, seeds, size) : Interpolated(seeds, size);
+  return uses_images() ? WithEdges(left, left_grey, right, seeds, size)
+                       : InterpolateOnly(seeds, size);
 }
 
-// The paper's.
-Result<PriorMap> PriorEstimator::Interpolated(std::span<const Seed> seeds, cv::Size size) {
-  const Result<Triangulation> triangulation = TriangulateOrSayWhy(seeds);
+// The paper's prior: linear interpolation alone.
+Result<PriorMap> PriorEstimator::InterpolateOnly(std::span<const Seed> seeds, cv::Size size) {
+  const Result<Triangulation> triangulation = CheckedTriangulation(seeds);
   if (!triangulation) return tl::unexpected(triangulation.error());
   std::vector<Plane> planes(seeds.size());
   std::transform(seeds.begin(), seeds.end(), planes.begin(), LevelPlane);
@@ -156,7 +157,7 @@ Result<PriorMap> PriorEstimator::Interpolated(std::span<const Seed> seeds, cv::S
 Result<PriorMap> PriorEstimator::WithEdges(const cv::Mat& left, const cv::Mat1b& left_grey,
                                            const cv::Mat& right, std::span<const Seed> seeds,
                                            cv::Size size) {
-  Result<Triangulation> triangulation = TriangulateOrSayWhy(seeds);
+  Result<Triangulation> triangulation = CheckedTriangulation(seeds);
   if (!triangulation) return tl::unexpected(triangulation.error());
   EdgeImages& images = memory_->images;
   images.left_bgr = ToBgr(left, memory_->left_bgr);
@@ -165,8 +166,8 @@ Result<PriorMap> PriorEstimator::WithEdges(const cv::Mat& left, const cv::Mat1b&
   CensusTransform(images.left_grey, images.left_census);
   CensusTransform(images.right_grey, images.right_census);
   const double spacing_px = SpacingPx(seeds, triangulation->triangles);
-  TakeOffFlatTriangles(seeds, kLongestSpacings * spacing_px, kDeepestSpacings * spacing_px,
-                       *triangulation);
+  RemoveFlatTriangles(seeds, kMaxSideSpacings * spacing_px, kMaxDepthSpacings * spacing_px,
+                      *triangulation);
   std::vector<SeedTriangle> triangles = triangulation->triangles;
 
   // Eqs. (P1) to (P3): a plane for each seed.

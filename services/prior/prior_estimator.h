@@ -14,13 +14,13 @@ namespace sprout::prior {
 
 /// Takes flat triangles off the hull, so that it follows the outermost seeds: one seed that lies
 /// further out than a whole row of others spans a side over all of them. A triangle goes if its
-/// side on the hull is longer than `longest_px`, its third corner less than `deepest_px` from that
-/// side, and not on the hull; then its other two sides are looked at. The neighbours stay.
+/// side on the hull is longer than `max_side_px`, its third corner less than `max_depth_px` from
+/// that side, and not on the hull; then its other two sides are looked at. The neighbours stay.
 ///
 /// @param seeds  that were triangulated.
 /// O(triangles); one thread.
-void TakeOffFlatTriangles(std::span<const Seed> seeds, double longest_px, double deepest_px,
-                          Triangulation& triangulation);
+void RemoveFlatTriangles(std::span<const Seed> seeds, double max_side_px, double max_depth_px,
+                         Triangulation& triangulation);
 
 /// The stage: a dense prior disparity map D_p of the left image, and its standard deviation, from
 /// sparse seeds. The README states the method.
@@ -55,7 +55,7 @@ class PriorEstimator {
  private:
   struct Memory;
 
-  Result<PriorMap> Interpolated(std::span<const Seed> seeds, cv::Size size);
+  Result<PriorMap> InterpolateOnly(std::span<const Seed> seeds, cv::Size size);
   Result<PriorMap> WithEdges(const cv::Mat& left, const cv::Mat1b& left_grey, const cv::Mat& right,
                              std::span<const Seed> seeds, cv::Size size);
 

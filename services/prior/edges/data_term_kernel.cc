@@ -43,7 +43,7 @@ struct ColourPixel {
   float middle, half_gap;  // of the labels, counts
 };
 
-// Eq. (P7), C_colour(far) − C_colour(near): support of near less that of far, of all support.
+// Eq. (P7), C_colour(far) − C_colour(near): the support of near less that of far, over all support.
 HWY_INLINE double ColourTerm(const ColourSeeds& seeds, const DataTermScales& scales,
                              const ColourPixel& pixel) {
   // Weight of a seed whose colour is three ranges off: where all are, colours hardly tell.
@@ -78,8 +78,7 @@ constexpr int kCensusRadius = 3;  // of that of the census; a row of it fits int
 constexpr int kWindow = (2 * kRadius + 1) * (2 * kRadius + 1);
 constexpr int kCensusSide = 2 * kCensusRadius + 1;
 constexpr int kCensusWindow = kCensusSide * kCensusSide;
-constexpr int kUnlikeBits =
-    4;  // codes of pixels that have nothing in common differ in half their 8
+constexpr int kUnlikeBits = 4;  // unlike pixels differ in half of the 8 bits of their codes
 
 // Counts to whole pixels.
 HWY_INLINE int Rounded(int counts) {
@@ -150,11 +149,11 @@ HWY_INLINE double ImageTerms(const EdgeImages& images, const DataTermScales& sca
 
 double FarMinusNearOnTarget(const EdgeImages& images, const ColourSeeds& seeds,
                             const DataTermScales& scales, const LabelledPixel& pixel) {
-  const double images_say = ImageTerms(images, scales, pixel);
+  const double image_term = ImageTerms(images, scales, pixel);
   // (P7) is within ±1: such images are not outvoted.
-  if (std::abs(images_say) >= scales.colour_weight) return images_say;
+  if (std::abs(image_term) >= scales.colour_weight) return image_term;
   const cv::Vec3b& bgr = images.left_bgr[pixel.v][pixel.u];
-  const double colours =
+  const double colour_term =
       ColourTerm(seeds, scales,
                  {.u = static_cast<float>(pixel.u),
                   .v = static_cast<float>(pixel.v),
@@ -163,7 +162,7 @@ double FarMinusNearOnTarget(const EdgeImages& images, const ColourSeeds& seeds,
                   .red = static_cast<float>(bgr[2]),
                   .middle = 0.5F * static_cast<float>(pixel.near + pixel.far),
                   .half_gap = 0.5F * static_cast<float>(pixel.near - pixel.far)});
-  return images_say + scales.colour_weight * colours;
+  return image_term + scales.colour_weight * colour_term;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -12,9 +12,9 @@ namespace sprout::prior {
 /// counts instead of px, and the left image's colour at the seed. The arrays are padded to a
 /// multiple of kAtOnce with copies of the last seed whose colour differs from every other colour.
 struct ColourSeeds {
-  static constexpr size_t kMost = 32;
+  static constexpr size_t kMaxSeeds = 32;
   static constexpr size_t kAtOnce = 16;  ///< most numbers in a register
-  using Numbers = std::array<float, kMost>;
+  using Numbers = std::array<float, kMaxSeeds>;
 
   Numbers u, v, counts, per_column, per_row, blue, green, red;
   size_t count = 0;  ///< seeds that are summed: a multiple of four

@@ -28,7 +28,7 @@ class CornerPlanes {
 /// A triangle across a depth edge: each of its pixels is on one of two surfaces, eq. (P5).
 struct EdgeTriangle {
   /// Two rings around a triangle are usually 27.
-  static constexpr size_t kMaxSeeds = ColourSeeds::kMost;
+  static constexpr size_t kMaxSeeds = ColourSeeds::kMaxSeeds;
 
   SeedTriangle seeds;
   CornerPlanes near;

@@ -52,7 +52,6 @@ double SpacingPx(std::span<const Seed> seeds, std::span<const SeedTriangle> tria
 double StepPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangles,
               double spacing_px, const PriorConfig& config) {
   constexpr double kEqualPx = 1e-3;  // u − u' of floats is off by as much
-  constexpr double kHardlyAny = 0.1;
   // Seeds that far off a plane weigh less than 2 % in (P1): they are on another surface.
   const double surface_px = 2.5 * LeastScalePx(spacing_px, config);
   std::vector<double> differences;
@@ -63,7 +62,7 @@ double StepPx(std::span<const Seed> seeds, std::span<const SeedTriangle> triangl
     const double difference = std::abs(double{a.disparity()} - b.disparity());
     if (difference > kEqualPx && difference < surface_px) differences.push_back(difference);
   }
-  return differences.empty() ? 0 : Quantile(differences, kHardlyAny);
+  return differences.empty() ? 0 : Quantile(differences, 0.1);
 }
 
 std::vector<Plane> FitPlanes(std::span<const Seed> seeds, const Triangulation& triangulation,

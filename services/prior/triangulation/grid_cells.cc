@@ -16,26 +16,26 @@ constexpr int kNone = -1;
 
 using Corners = std::array<int, 4>;  // of a cell: its points
 
-// Through three points that run counter-clockwise.
+// The circle through three points that run counter-clockwise.
 struct Circle {
   double u, v, squared_radius;
 };
 
 // @returns nothing for triangles that run the other way round, or are so flat that rounding shows.
 std::optional<Circle> CircleThrough(const GridPoint& a, const GridPoint& b, const GridPoint& c) {
-  constexpr double kFlattest = 1e-2;   // twice the area, of the squares of its sides
-  constexpr double kFurthest = 1e-12;  // square of the radius, of that of the distance from (0, 0)
+  constexpr double kMinArea = 1e-2;     // twice the area, over the squares of two sides
+  constexpr double kMinRadius = 1e-12;  // over the distance from (0, 0); both squared
   const double bu = double{b.u} - a.u, bv = double{b.v} - a.v;
   const double cu = double{c.u} - a.u, cv = double{c.v} - a.v;
   const double bb = bu * bu + bv * bv;
   const double cc = cu * cu + cv * cv;
   const double twice_area = bu * cv - bv * cu;
-  if (!(twice_area > kFlattest * (bb + cc))) return std::nullopt;
+  if (!(twice_area > kMinArea * (bb + cc))) return std::nullopt;
   const double du = (cv * bb - bv * cc) / (2 * twice_area);
   const double dv = (bu * cc - cu * bb) / (2 * twice_area);
   const Circle circle{a.u + du, a.v + dv, du * du + dv * dv};
   const double squared_distance = circle.u * circle.u + circle.v * circle.v;
-  if (!(circle.squared_radius > kFurthest * squared_distance)) return std::nullopt;
+  if (!(circle.squared_radius > kMinRadius * squared_distance)) return std::nullopt;
   return circle;
 }
 
@@ -55,12 +55,12 @@ Side SideOf(const Circle& circle, const GridPoint& point) {
 // Whether four points lie on one circle to the last bit. False where whole numbers do not tell.
 bool AreOnOneCircle(const GridPoint& a, const GridPoint& b, const GridPoint& c,
                     const GridPoint& d) {
-  constexpr double kUnits = 1 << 16;  // a px: what a float has in an image of 128 px and more
-  constexpr double kMost = 1 << 28;   // the product of four fits into 128 bits
+  constexpr double kUnits = 1 << 16;     // a px: what a float has in an image of 128 px and more
+  constexpr double kMaxUnits = 1 << 28;  // the product of four fits into 128 bits
   bool is_whole = true;
   const auto whole = [&](double px) {
     const double units = px * kUnits;
-    is_whole = is_whole && std::abs(units) < kMost && units == std::floor(units);
+    is_whole = is_whole && std::abs(units) < kMaxUnits && units == std::floor(units);
     return is_whole ? static_cast<int64_t>(units) : 0;
   };
   struct Vector {
@@ -142,7 +142,7 @@ PointsByCell::PointsByCell(std::span<const GridPoint> points) {
 }
 
 bool PointsByCell::IsEmpty(const Circle& circle, const Corners& corners) const {
-  constexpr int kMost = 100;  // points that are looked at: of a usual circle about ten
+  constexpr int kMaxPoints = 100;  // that are looked at; a usual circle needs about ten
   const double radius = std::sqrt(circle.squared_radius) * (1 + 1e-6);
   const int left = Column(circle.u - radius);
   const int right = Column(circle.u + radius);
@@ -152,7 +152,7 @@ bool PointsByCell::IsEmpty(const Circle& circle, const Corners& corners) const {
     const int* const firsts = first_.data() + row * columns_;
     const int end = firsts[right + 1];
     looked_at += end - firsts[left] + 1;
-    if (looked_at > kMost) return false;
+    if (looked_at > kMaxPoints) return false;
     for (int i = firsts[left]; i < end; ++i) {
       const Sorted& at = sorted_[static_cast<size_t>(i)];
       if (SideOf(circle, at.point) != Side::kOutside &&
@@ -174,15 +174,16 @@ GridCells::GridCells(std::span<const GridPoint> points) : points_(points) {
     if (at == kNone) at = static_cast<int>(i);
   }
   const PointsByCell near(points);
-  cuts_.assign(point_at_.size(), kNotIntact);
+  diagonals_.assign(point_at_.size(), kNotIntact);
   ForRangesParallel(rows_ - 1, 4 * cv::getNumThreads(), [&](const cv::Range& part) {
     for (int y = part.start; y < part.end; ++y) {
       for (int x = 0; x + 1 < columns_; ++x) {
-        cuts_[static_cast<size_t>(y * columns_ + x)] = CutOf(x, y, near);
+        diagonals_[static_cast<size_t>(y * columns_ + x)] = DiagonalOf(x, y, near);
       }
     }
   });
-  any_intact_ = std::any_of(cuts_.begin(), cuts_.end(), [](Cut cut) { return cut != kNotIntact; });
+  any_intact_ = std::any_of(diagonals_.begin(), diagonals_.end(),
+                            [](Diagonal diagonal) { return diagonal != kNotIntact; });
 }
 
 void GridCells::FindColumnsAndRows() {
@@ -206,7 +207,7 @@ int GridCells::PointAt(int x, int y) const {
   return point_at_[static_cast<size_t>(y * columns_ + x)];
 }
 
-GridCells::Cut GridCells::CutOf(int x, int y, const PointsByCell& near) const {
+GridCells::Diagonal GridCells::DiagonalOf(int x, int y, const PointsByCell& near) const {
   const Corners corners{PointAt(x, y), PointAt(x + 1, y), PointAt(x, y + 1), PointAt(x + 1, y + 1)};
   if (*std::min_element(corners.begin(), corners.end()) == kNone) return kNotIntact;
   const auto at = [&](size_t i) -> const GridPoint& {
@@ -230,9 +231,9 @@ GridCells::Cut GridCells::CutOf(int x, int y, const PointsByCell& near) const {
   return both_empty(abc, CircleThrough(b, d, c)) ? kFromBToC : kNotIntact;
 }
 
-GridCells::Cut GridCells::At(int x, int y) const {
+GridCells::Diagonal GridCells::At(int x, int y) const {
   if (x < 0 || y < 0 || x + 1 >= columns_ || y + 1 >= rows_) return kNotIntact;
-  return cuts_[static_cast<size_t>(y * columns_ + x)];
+  return diagonals_[static_cast<size_t>(y * columns_ + x)];
 }
 
 bool GridCells::IsInside(int point) const {
@@ -242,31 +243,24 @@ bool GridCells::IsInside(int point) const {
          At(x, y - 1) != kNotIntact && PointAt(x, y) == point;
 }
 
-void GridCells::AddWedges(int point, std::vector<Wedge>& wedges) const {
+void GridCells::AddFan(int point, std::vector<FanTriangle>& fan) const {
   const int x = points_[static_cast<size_t>(point)].tof_u;
   const int y = points_[static_cast<size_t>(point)].tof_v;
   if (x < 0 || y < 0 || x >= columns_ || y >= rows_ || PointAt(x, y) != point) return;
-  // A cell in which the point is a corner of both triangles if it is cut from there.
-  const auto add = [&](Cut cut, Cut from_here, int from, int opposite, int to) {
-    if (cut == kNotIntact) return;
-    if (cut == from_here) {
-      wedges.push_back({from, opposite});
-      wedges.push_back({opposite, to});
+  // The cells below right, below left, above left and above right.
+  for (const auto& [step_u, step_v] : {std::pair(1, 1), {-1, 1}, {-1, -1}, {1, -1}}) {
+    const Diagonal diagonal = At(std::min(x, x + step_u), std::min(y, y + step_v));
+    if (diagonal == kNotIntact) continue;
+    int from = PointAt(x + step_u, y), to = PointAt(x, y + step_v);
+    if (step_u != step_v) std::swap(from, to);
+    if (diagonal == (step_u == step_v ? kFromAToD : kFromBToC)) {  // it starts at the point
+      const int opposite = PointAt(x + step_u, y + step_v);
+      fan.push_back({from, opposite});
+      fan.push_back({opposite, to});
     } else {
-      wedges.push_back({from, to});
+      fan.push_back({from, to});
     }
-  };
-  const auto cell = [&](int left, int top, Cut from_here, int step_u, int step_v, bool u_first) {
-    const Cut cut = At(left, top);
-    if (cut == kNotIntact) return;
-    const int across = PointAt(x + step_u, y), along = PointAt(x, y + step_v);
-    const int opposite = PointAt(x + step_u, y + step_v);
-    add(cut, from_here, u_first ? across : along, opposite, u_first ? along : across);
-  };
-  cell(x, y, kFromAToD, 1, 1, true);            // to the right, then below
-  cell(x - 1, y, kFromBToC, -1, 1, false);      // below, left
-  cell(x - 1, y - 1, kFromAToD, -1, -1, true);  // left, above
-  cell(x, y - 1, kFromBToC, 1, -1, false);      // above, right
+  }
 }
 
 bool GridCells::HasTriangle(int from, int to) const {
@@ -280,8 +274,8 @@ bool GridCells::HasTriangle(int from, int to) const {
     return false;
   }
   if (step_u != 0 && step_v != 0) {  // a diagonal has a triangle on either side
-    const Cut cut = step_u == step_v ? kFromAToD : kFromBToC;
-    return At(std::min(x, x + step_u), std::min(y, y + step_v)) == cut;
+    const Diagonal diagonal = step_u == step_v ? kFromAToD : kFromBToC;
+    return At(std::min(x, x + step_u), std::min(y, y + step_v)) == diagonal;
   }
   if (step_v == 0) return At(step_u > 0 ? x : x - 1, step_u > 0 ? y : y - 1) != kNotIntact;
   return At(step_v > 0 ? x - 1 : x, step_v > 0 ? y : y - 1) != kNotIntact;

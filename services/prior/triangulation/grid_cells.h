@@ -21,9 +21,8 @@ struct GridPoint {
 /// four points on one circle, cells are not intact.
 class GridCells {
  public:
-  /// A wedge: the triangle of a point and the next two points around it, counter-clockwise: the
-  /// point, from, to.
-  struct Wedge {
+  /// A triangle of the fan around a point; counter-clockwise: the point, from, to.
+  struct FanTriangle {
     int from, to;
   };
 
@@ -39,27 +38,27 @@ class GridCells {
   bool IsInside(int point) const;
 
   /// Appends the triangles at a point in intact cells; counter-clockwise where IsInside().
-  void AddWedges(int point, std::vector<Wedge>& wedges) const;
+  void AddFan(int point, std::vector<FanTriangle>& fan) const;
 
   /// Whether a triangle of an intact cell lies to the left of the way from one point to another:
   /// (from, to, third) is counter-clockwise.
   bool HasTriangle(int from, int to) const;
 
  private:
-  /// How a cell is cut: its corners are a = (x, y), b = (x + 1, y), c = (x, y + 1), d = (x + 1,
+  /// How a cell is divided: its corners are a = (x, y), b = (x + 1, y), c = (x, y + 1), d = (x + 1,
   /// y + 1).
-  enum Cut : uint8_t { kNotIntact, kFromAToD, kFromBToC };
+  enum Diagonal : uint8_t { kNotIntact, kFromAToD, kFromBToC };
 
   void FindColumnsAndRows();
-  Cut CutOf(int x, int y, const class PointsByCell& near) const;
-  Cut At(int x, int y) const;
+  Diagonal DiagonalOf(int x, int y, const class PointsByCell& near) const;
+  Diagonal At(int x, int y) const;
   int PointAt(int x, int y) const;
 
   std::span<const GridPoint> points_;
   int columns_ = 0;  // of ToF pixels
   int rows_ = 0;
-  std::vector<int> point_at_;  // by ToF pixel; −1 without one
-  std::vector<Cut> cuts_;      // by the pixel of corner a
+  std::vector<int> point_at_;        // by ToF pixel; −1 without one
+  std::vector<Diagonal> diagonals_;  // by the pixel of corner a
   bool any_intact_ = false;
 };
 

@@ -25,7 +25,7 @@ double TwiceArea(const Corners& corners) {
 
 // Eq. (P4): the plane through the disparities of the corners.
 Plane PlaneThrough(const Corners& corners, double twice_area) {
-  constexpr double kSteepest = 1e6;  // slivers; their pixels are held between the corners
+  constexpr double kSteepest = 1e6;  // of slivers, whose pixels are clamped to the corners
   const auto& [a, b, c] = corners;
   const double bd = double{b.disparity} - a.disparity;
   const double cd = double{c.disparity} - a.disparity;
@@ -95,7 +95,7 @@ class Runs {
   Sides sides_;
 };
 
-// What a triangle paints.
+// Paints a triangle.
 class Paint {
  public:
   Paint(const Corners& corners, double twice_area, double edge_px, PriorMap& map)
@@ -103,11 +103,11 @@ class Paint {
         sigma_(SigmaToCounts(SigmaPx(corners, edge_px))),
         width_(map.disparity.width()),
         map_(map) {
-    constexpr float kMost = DisparityImage::kMaxPx;
+    constexpr float kMaxPx = DisparityImage::kMaxPx;
     const auto& [a, b, c] = corners;
     const auto [least, most] = std::minmax({a.disparity, b.disparity, c.disparity});
-    low_ = kOne * std::clamp(least, 0.F, kMost);
-    high_ = kOne * std::clamp(most, 0.F, kMost);
+    low_ = kOne * std::clamp(least, 0.F, kMaxPx);
+    high_ = kOne * std::clamp(most, 0.F, kMaxPx);
   }
 
   // Columns [begins[i], ends[i]) of row v + i, for `count` rows.

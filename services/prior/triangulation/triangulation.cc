@@ -25,14 +25,13 @@ using Delaunay =
 
 constexpr int kInfinite = -1;  // in place of a seed: what lies beyond the hull
 
-using Wedge = GridCells::Wedge;
+using FanTriangle = GridCells::FanTriangle;
 
 // The first seed of each position, by rows and columns. Results are told in this order, so that
 // they do not depend on the order of the seeds, nor on how triangles are found. O(n) where the
 // seeds come row by row, as those of a ToF image nearly do.
 std::vector<int> FirstOfEachPosition(std::span<const Seed> seeds) {
-  constexpr float kRows =
-      1 << 14;  // an image has no more; those beyond share the first or the last
+  constexpr float kRows = 1 << 14;  // of an image at most; those beyond share the first or last
   const auto seed = [&](int i) -> const Seed& { return seeds[static_cast<size_t>(i)]; };
   const auto row = [&](const Seed& at) {
     return static_cast<size_t>(std::clamp(at.v + 1, 0.F, kRows));
@@ -58,8 +57,8 @@ std::vector<int> FirstOfEachPosition(std::span<const Seed> seeds) {
 }
 
 // Triangles that are not in intact cells, by CGAL: those between the points that are not inside of
-// such cells. These make up what the cells leave out of the hull, since triangles there have no
-// point in their circles, also if there are no others than these.
+// such cells. They fill what the cells leave out of the hull: the circles of the triangles there
+// are empty of all points, so of these, too.
 class TrianglesBetween {
  public:
   TrianglesBetween(std::span<const GridPoint> points, const GridCells& cells) : cells_(cells) {
@@ -84,9 +83,9 @@ class TrianglesBetween {
   }
 
   // The triangles at a point.
-  std::span<const Wedge> WedgesAt(int place) const {
+  std::span<const FanTriangle> FanAt(int place) const {
     const auto at = static_cast<size_t>(place);
-    return std::span(wedges_).subspan(first_[at], first_[at + 1] - first_[at]);
+    return std::span(fans_).subspan(first_[at], first_[at + 1] - first_[at]);
   }
 
  private:
@@ -141,10 +140,10 @@ class TrianglesBetween {
       for (int place : triangle) ++first_[static_cast<size_t>(place) + 2];
     }
     std::partial_sum(first_.begin(), first_.end(), first_.begin());
-    wedges_.resize(3 * triangles_.size());
+    fans_.resize(3 * triangles_.size());
     for (const auto& [a, b, c] : triangles_) {
-      const auto add = [&](int place, Wedge wedge) {
-        wedges_[first_[static_cast<size_t>(place) + 1]++] = wedge;
+      const auto add = [&](int place, FanTriangle triangle) {
+        fans_[first_[static_cast<size_t>(place) + 1]++] = triangle;
       };
       add(a, {b, c});
       add(b, {c, a});
@@ -156,39 +155,39 @@ class TrianglesBetween {
   const GridCells& cells_;
   Delaunay delaunay_;
   std::vector<SeedTriangle> triangles_;  // of places
-  std::vector<size_t> first_;            // wedge of each place, one more than places
-  std::vector<Wedge> wedges_;
+  std::vector<size_t> first_;            // in fans_, of each place; one more than places
+  std::vector<FanTriangle> fans_;
 };
 
 // The places around another, counter-clockwise, from the least one on: kInfinite if it is there.
-// @param wedges  all triangles there, none of them twice; their order is lost.
-void PlacesAround(std::vector<Wedge>& wedges, std::vector<int>& places) {
+// @param fan  all triangles at that point, each once; their order is lost.
+void PlacesAround(std::vector<FanTriangle>& fan, std::vector<int>& places) {
   places.clear();
-  if (wedges.empty()) return;
+  if (fan.empty()) return;
   const auto starting_from = [&](size_t begin, int place) {
-    return std::find_if(wedges.begin() + static_cast<std::ptrdiff_t>(begin), wedges.end(),
-                        [&](const Wedge& wedge) { return wedge.from == place; });
+    return std::find_if(fan.begin() + static_cast<std::ptrdiff_t>(begin), fan.end(),
+                        [&](const FanTriangle& triangle) { return triangle.from == place; });
   };
-  // Where the fan is open, on the hull, it starts at what none leads to. In a closed one each place
-  // is come to and left.
+  // On the hull the fan is open: it starts at the place to which no triangle leads. In a closed one
+  // each place is the start of a triangle and the end of another.
   int ends = 0;
-  for (const Wedge& wedge : wedges) ends ^= wedge.from ^ wedge.to;
-  for (size_t i = 0; ends != 0 && i < wedges.size(); ++i) {
-    const int from = wedges[i].from;
-    if (std::none_of(wedges.begin(), wedges.end(),
-                     [&](const Wedge& wedge) { return wedge.to == from; })) {
-      std::swap(wedges[0], wedges[i]);
+  for (const FanTriangle& triangle : fan) ends ^= triangle.from ^ triangle.to;
+  for (size_t i = 0; ends != 0 && i < fan.size(); ++i) {
+    const int from = fan[i].from;
+    if (std::none_of(fan.begin(), fan.end(),
+                     [&](const FanTriangle& triangle) { return triangle.to == from; })) {
+      std::swap(fan[0], fan[i]);
       places.push_back(kInfinite);
       break;
     }
   }
-  for (size_t i = 0; i < wedges.size(); ++i) {
-    places.push_back(wedges[i].from);
-    const auto next = starting_from(i + 1, wedges[i].to);
-    if (next == wedges.end()) break;
-    std::iter_swap(wedges.begin() + static_cast<std::ptrdiff_t>(i) + 1, next);
+  for (size_t i = 0; i < fan.size(); ++i) {
+    places.push_back(fan[i].from);
+    const auto next = starting_from(i + 1, fan[i].to);
+    if (next == fan.end()) break;
+    std::iter_swap(fan.begin() + static_cast<std::ptrdiff_t>(i) + 1, next);
   }
-  if (places.front() == kInfinite) places.push_back(wedges[places.size() - 2].to);
+  if (places.front() == kInfinite) places.push_back(fan[places.size() - 2].to);
   std::rotate(places.begin(), std::min_element(places.begin(), places.end()), places.end());
 }
 
@@ -243,14 +242,14 @@ Triangulation Triangulate(std::span<const Seed> seeds) {
     range.end = order.size() * (k + 1) / kPlaceRanges;
     range.triangles.reserve(2 * (range.end - range.begin));
     range.neighbours.reserve(6 * (range.end - range.begin));
-    std::vector<Wedge> wedges;
+    std::vector<FanTriangle> fan;
     std::vector<int> around;
     for (size_t i = range.begin; i < range.end; ++i) {
       const auto place = static_cast<int>(i);
-      const std::span<const Wedge> others = between.WedgesAt(place);
-      wedges.assign(others.begin(), others.end());
-      cells.AddWedges(place, wedges);
-      PlacesAround(wedges, around);
+      const std::span<const FanTriangle> others = between.FanAt(place);
+      fan.assign(others.begin(), others.end());
+      cells.AddFan(place, fan);
+      PlacesAround(fan, around);
       if (!around.empty() && around.front() == kInfinite) next_on_hull[i] = around[1];
       Triangulation::List& list = result.lists[static_cast<size_t>(order[i])];
       list.begin = range.neighbours.size();

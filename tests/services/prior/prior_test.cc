@@ -65,7 +65,7 @@ TEST(Prior, RefusesSidesForWhichItsNumbersAreTooShort) {
 constexpr int kNear = 20;
 constexpr int kFar = 8;
 
-// A near square on a far wall, both textured, in two colours; the edge lies between seeds.
+// A near square on a far wall, both textured, in two colour_term; the edge lies between seeds.
 struct Step {
   cv::Size size{160, 120};
   cv::Rect square{53, 33, 54, 54};
@@ -317,7 +317,7 @@ TEST(Outline, LeadsAlongARowThatASeedFurtherOutSpans) {
   seeds.push_back(OutlineSeed(110, 16));
   const Triangulation before = Triangulate(seeds);
   Triangulation after = before;
-  TakeOffFlatTriangles(seeds, 15, 10, after);
+  RemoveFlatTriangles(seeds, 15, 10, after);
   // The hull led from one of the two to the other. Now all of the first row lie on the outline.
   EXPECT_EQ(before.hull.size(), grid.hull.size() + 2 - 10);
   EXPECT_EQ(after.hull.size(), grid.hull.size() + 2);
@@ -334,14 +334,14 @@ TEST(Outline, StaysWhereSidesAreShortOrTrianglesDeep) {
   seeds.push_back(OutlineSeed(0, 16));
   seeds.push_back(OutlineSeed(110, 16));
   const Triangulation before = Triangulate(seeds);
-  for (const auto& [longest_px, deepest_px] : {std::pair(111.0, 10.0), {30.0, 3.9}}) {
+  for (const auto& [max_side_px, max_depth_px] : {std::pair(111.0, 10.0), {30.0, 3.9}}) {
     Triangulation after = before;
-    TakeOffFlatTriangles(seeds, longest_px, deepest_px, after);
+    RemoveFlatTriangles(seeds, max_side_px, max_depth_px, after);
     EXPECT_EQ(after.hull, before.hull);
     EXPECT_EQ(after.triangles, before.triangles);
   }
   Triangulation none;
-  TakeOffFlatTriangles({}, 30, 10, none);
+  RemoveFlatTriangles({}, 30, 10, none);
   EXPECT_TRUE(none.hull.empty());
 }
 
@@ -357,7 +357,7 @@ TEST(Outline, HoldsEverySeedOnceAndAllTrianglesThatAreLeft) {
   }
   const Triangulation before = Triangulate(seeds);
   Triangulation after = before;
-  TakeOffFlatTriangles(seeds, 20, 15, after);
+  RemoveFlatTriangles(seeds, 20, 15, after);
   EXPECT_GT(after.hull.size(), before.hull.size() + 10);
   std::vector<int> sorted = after.hull;
   std::sort(sorted.begin(), sorted.end());

@@ -178,12 +178,12 @@ TEST(DataTerm, IsTheSameWithEveryInstructionSet) {
   for (const size_t count : {size_t{4}, size_t{16}, size_t{28}, size_t{32}}) {
     ColourSeeds seeds{};
     seeds.count = count;
-    for (size_t i = 0; i < ColourSeeds::kMost; ++i) {
+    for (size_t i = 0; i < ColourSeeds::kMaxSeeds; ++i) {
       seeds.u[i] = number(50), seeds.v[i] = number(50), seeds.counts[i] = number(400);
       seeds.per_column[i] = number(9), seeds.per_row[i] = number(9);
       seeds.blue[i] = number(255), seeds.green[i] = number(255), seeds.red[i] = number(255);
     }
-    // Beside the border, where only colours count.
+    // Beside the border, where only colour_term count.
     EdgeImages images;
     images.left_bgr = cv::Mat3b(cv::Size(9, 9), cv::Vec3b(30, 20, 10));
     images.left_grey = images.right_grey = cv::Mat1b(cv::Size(9, 9), uint8_t{1});

@@ -38,7 +38,7 @@ std::vector<Plane> PlanesOf(const std::vector<Seed>& seeds) {
   return planes;
 }
 
-PriorMap Interpolated(const std::vector<Seed>& seeds, cv::Size size) {
+PriorMap InterpolateOnly(const std::vector<Seed>& seeds, cv::Size size) {
   PriorMap map(size);
   EXPECT_TRUE(Interpolate(PlanesOf(seeds), Triangulate(seeds).triangles, 0.5, map).has_value());
   return map;
@@ -161,7 +161,7 @@ TEST(Interpolation, EqualsBruteForce) {
   const cv::Size size(90, 70);
   for (uint32_t seed = 0; seed < 8; ++seed) {
     const std::vector<Seed> seeds = RandomSeeds(size, 5 + 10 * static_cast<int>(seed), 0, seed);
-    const PriorMap map = Interpolated(seeds, size);
+    const PriorMap map = InterpolateOnly(seeds, size);
     const std::vector<Plane> planes = PlanesOf(seeds);
     int inside = 0;
     for (const SeedTriangle& triangle : Triangulate(seeds).triangles) {
@@ -186,7 +186,7 @@ TEST(Interpolation, ReproducesAPlaneExactly) {
   for (int v = 0; v < 48; v += 8) {
     for (int u = 0; u < 64; u += 8) seeds.push_back(MeshSeed(u, v, plane(u, v)));
   }
-  const PriorMap map = Interpolated(seeds, {64, 48});
+  const PriorMap map = InterpolateOnly(seeds, {64, 48});
   for (int v = 0; v <= 40; ++v) {
     for (int u = 0; u <= 56; ++u) {
       EXPECT_EQ(map.disparity.Px(u, v), static_cast<float>(plane(u, v)));
@@ -195,7 +195,7 @@ TEST(Interpolation, ReproducesAPlaneExactly) {
 }
 
 TEST(Interpolation, TakesTheNearestHullValueOutsideTheHull) {
-  const PriorMap map = Interpolated(
+  const PriorMap map = InterpolateOnly(
       {MeshSeed(20, 10, 4), MeshSeed(40, 10, 8), MeshSeed(40, 30, 8), MeshSeed(20, 30, 4)},
       {64, 48});
   EXPECT_EQ(map.disparity.CountValid(), 64 * 48);
@@ -215,7 +215,7 @@ TEST(Interpolation, TakesTheNearestPixelOfTheRowOutsideAnyHull) {
       moved.v += 13;
       moved.u_right += 16;
     }
-    const PriorMap map = Interpolated(seeds, size);
+    const PriorMap map = InterpolateOnly(seeds, size);
     const cv::Mat1s& counts = map.disparity.counts();
     std::vector<int> rows;  // with painted pixels
     for (int v = 0; v < size.height; ++v) {
@@ -246,7 +246,7 @@ TEST(Interpolation, SaysWhyThereIsNone) {
 }
 
 TEST(Interpolation, SurvivesSeedsOutsideTheImage) {
-  const PriorMap map = Interpolated(
+  const PriorMap map = InterpolateOnly(
       {MeshSeed(-500, -500, 3), MeshSeed(5000, -100, 3), MeshSeed(100, 9000, 3)}, {64, 48});
   EXPECT_EQ(map.disparity.CountValid(), 64 * 48);
   EXPECT_EQ(map.disparity.Px(30, 30), 3);
