@@ -40,7 +40,7 @@ struct ChainReport {
   std::vector<std::string> warnings;
   TofOffsetStatus tof_offset;              ///< see StageResult
   std::optional<std::string> range_error;  ///< StageResult::finding of refine
-  bool ranges_refused = false;             ///< the same
+  bool ranges_refused = false;             ///< see StageResult
 };
 
 /// refine, prior and grow on one frame, and with temporal.in_pipeline temporal on the frames since

@@ -36,10 +36,10 @@ Result<void> CheckTof(const TofImage& tof, const Rig& rig) {
 
 // Checks that the numbers leave room for those of the next frame.
 Result<void> CheckTime(const std::optional<FrameTime>& time, bool uses_poses) {
-  constexpr int64_t kMost = int64_t{1} << 62;
+  constexpr int64_t kMax = int64_t{1} << 62;
   if (!time) return {};
   for (const auto& [name, value] : {std::pair("utime", time->utime), {"seq", time->seq}}) {
-    if (value < 0 || value > kMost) {
+    if (value < 0 || value > kMax) {
       return Fail(std::string("time.") + name + ": " + std::to_string(value) +
                   "; allowed: 0 to 2^62");
     }
@@ -93,7 +93,7 @@ depth::FilterRules RulesOf(const SproutConfig& config) {
   return depth::FilterOf(config.depth(), /*base_from_left=*/{});
 }
 
-// How far the range sensor is off, ranges and pose.
+// How far the range sensor is off, in its ranges and in its pose.
 std::string RangeErrorOf(const ChainReport& report) {
   const std::string text = report.range_error.value_or("");
   const TofOffsetStatus& offset = report.tof_offset;
@@ -133,9 +133,9 @@ Result<DepthFrame> Pipeline::Compute(const cv::Mat& left, const cv::Mat& right, 
   frame.tof = tof;
   frame.rig = rig;
   if (uses_zones_) frame.tof_zones = zones;
-  ChainObserver nobody;
+  ChainObserver no_observer;
   DepthFrame result;
-  ChainReport report = chain_->Run(frame, nobody);
+  ChainReport report = chain_->Run(frame, no_observer);
   result.warnings = std::move(report.warnings);
   result.range_error = RangeErrorOf(report);
   result.ranges_refused = report.ranges_refused;

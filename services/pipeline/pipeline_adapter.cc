@@ -46,7 +46,7 @@ StageResult PipelineAdapter::Process(const Frame& frame) {
   Frame work = frame;  // shares the images' pixels
   std::vector<std::string> warnings = chain_.Run(work, steps_).warnings;
   if (!grows_with_prior_) {
-    // Sprout-prior answers also where growth does not listen.
+    // Like sprout-prior, which answers also where growth does not use its map.
     const ChainReport prior = chain_.Run(work, steps_, ChainStep::kPrior);
     warnings.insert(warnings.end(), prior.warnings.begin(), prior.warnings.end());
   }

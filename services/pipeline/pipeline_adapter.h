@@ -17,8 +17,7 @@ class PipelineAdapter : public StageAdapter {
 
   PartSet Inputs() const override;
 
-  /// Only the memory needs to know how the camera moved: without that it forgets, and the rest is
-  /// as ever.
+  /// Only temporal needs to know how the camera moved: without that it forgets earlier frames.
   PartSet OptionalInputs() const override { return {Part::kOdometry}; }
 
   /// Always answers. The result's reason names the stages that had nothing to give. The ToF

@@ -56,27 +56,27 @@ std::string SurenessText(const DepthFrame& depth) {
                             Percent(count, static_cast<int64_t>(known.total())));
 }
 
-// Whether it is of the memory, which forgets where a video is cut. motion.csv says so, too; nothing
-// is wrong with such a pair.
-bool IsOfMemory(const std::string& warning) { return warning.starts_with("temporal: "); }
+// Whether temporal says that it forgot earlier frames, as where a video is cut: nothing is wrong
+// with such a pair, and motion.csv has it, too.
+bool IsFromTemporal(const std::string& warning) { return warning.starts_with("temporal: "); }
 
-// What is wrong with a pair that was computed, in one line; empty: nothing that can be told.
-// @param of_inputs  what CheckInputs() says.
-std::string ComplaintOf(const DepthFrame& depth, std::string of_inputs) {
+// What is wrong with a pair that was computed, in one line; empty if nothing seems to be.
+// @param input_problem  what CheckInputs() found wrong; empty: nothing.
+std::string ProblemOf(const DepthFrame& depth, std::string input_problem) {
   constexpr double kNoPercent = 0.05;  // less is printed as 0.0
-  std::string complaint = std::move(of_inputs);
+  std::string problem = std::move(input_problem);
   for (const std::string& warning : depth.warnings) {
-    if (!IsOfMemory(warning)) complaint = JoinedTexts(complaint, warning);
+    if (!IsFromTemporal(warning)) problem = JoinedTexts(problem, warning);
   }
   const int count = cv::countNonZero(depth.depth_m == depth.depth_m);
   const auto all = static_cast<int64_t>(depth.depth_m.total());
-  if (complaint.empty() && Percent(count, all) < kNoPercent) {
-    complaint = fmt::format("{} of {} pixels have a depth", count, all);
+  if (problem.empty() && Percent(count, all) < kNoPercent) {
+    problem = fmt::format("{} of {} pixels have a depth", count, all);
   }
-  return complaint;
+  return problem;
 }
 
-// What was found, in one line.
+// The line that is printed of a pair.
 std::string LineOf(const fs::path& folder, const DepthFrame& depth, double ms) {
   std::string line = fmt::format("{}: {}, {} seeds, {}, {:.0f} ms", folder.string(),
                                  SizeText(depth.depth_m.size()), depth.seeds.seeds.size(),
@@ -91,7 +91,7 @@ std::string LineOf(const fs::path& folder, const DepthFrame& depth, double ms) {
     line += fmt::format("; {} have a negative disparity, which disparity.png leaves out", negative);
   }
   for (const std::string& warning : depth.warnings) {
-    if (IsOfMemory(warning)) line += "; " + warning;
+    if (IsFromTemporal(warning)) line += "; " + warning;
   }
   if (!depth.range_error.empty()) line += "; refine: " + depth.range_error;
   return line;
@@ -122,9 +122,9 @@ struct Writing {
   fs::path left;
   fs::path folder;
   bool is_folder_new = false;
-  std::string line;       // to print when it is written
-  std::string complaint;  // what is wrong with the pair; empty: nothing that can be told
-  std::string motion;     // a row, of a pipeline with memory
+  std::string line;     // to print when it is written
+  std::string problem;  // what is wrong with the pair; empty: nothing that can be told
+  std::string motion;   // a row, of a pipeline with memory
   std::future<Result<void>> written;
 };
 
@@ -132,11 +132,10 @@ struct Computed {
   Frame frame;
   DepthFrame depth;
   double ms;
-  std::string complaint;
+  std::string problem;
 };
 
-// The ranges of a frame whose parts have the calibrated sizes, one unambiguous range farther where
-// they are.
+// The range image of a frame, unwrapped if its parts have the calibrated sizes.
 TofImage RangesOf(const Frame& frame, double unambiguous_range_m) {
   const cv::Size size = frame.rig->pair.size();
   const bool fits = frame.left.size() == size && frame.right.size() == size &&
@@ -147,21 +146,21 @@ TofImage RangesOf(const Frame& frame, double unambiguous_range_m) {
 }
 
 // Leaves out ranges that would spoil what the pair shows: all of them if they are noise, hit
-// nothing or have another scale. @returns what to say of it.
+// nothing or have another scale. @returns a note for the user, or nothing.
 std::string LeaveOutRanges(const inputs::Findings& findings, bool has_map_without, TofImage& tof) {
-  std::string said;
+  std::string note;
   for (const inputs::Finding& finding : findings) {
     if (finding.no_return_m == 0) continue;
     tof.depth_m.setTo(0, tof.depth_m == finding.no_return_m);
-    said = fmt::format("; ranges of exactly {:.3f} m are left out", finding.no_return_m);
+    note = fmt::format("; ranges of exactly {:.3f} m are left out", finding.no_return_m);
   }
-  const bool hits_is_bad = said.empty() && AnyIsBad(findings, {inputs::Question::kHits});
+  const bool hits_is_bad = note.empty() && AnyIsBad(findings, {inputs::Question::kHits});
   if (has_map_without && !tof.depth_m.empty() &&
       (hits_is_bad || AnyIsBad(findings, {inputs::Question::kScale}))) {
     tof = TofImage();
-    said = "; no range is believed";
+    note = "; no range is believed";
   }
-  return said;
+  return note;
 }
 
 Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline& pipeline,
@@ -177,23 +176,23 @@ Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline
     for (inputs::Finding& finding : findings) {
       if (!finding.flag.empty()) finding.text += " " + finding.flag;
     }
-    std::string complaint = BadText(findings);
-    complaint += LeaveOutRanges(findings, config.refine().stereo_seeds(), *frame->tof);
-    complaint =
-        JoinedTexts(complaint, refine::BeyondSearch(findings, config.refine(), frame->rig->pair,
-                                                    /*has_ranges=*/!frame->tof->depth_m.empty()));
+    std::string problem = BadText(findings);
+    problem += LeaveOutRanges(findings, config.refine().stereo_seeds(), *frame->tof);
+    problem =
+        JoinedTexts(problem, refine::BeyondSearch(findings, config.refine(), frame->rig->pair,
+                                                  /*has_ranges=*/!frame->tof->depth_m.empty()));
     Result<DepthFrame> depth =
         pipeline.Compute(frame->left, frame->right, *frame->tof, *frame->rig);
     if (!depth) return tl::unexpected(depth.error());
     using inputs::Question;
     if (AnyIsBad(findings, {Question::kScene, Question::kSides})) BelieveNothing(config, *depth);
-    // What does not fit its calibration is not fused with others.
+    // A pair that does not fit its calibration is not fused with others.
     if (AnyIsBad(findings,
                  {Question::kScene, Question::kSides, Question::kRows, Question::kTime})) {
       pipeline.Reset();
     }
     const std::chrono::duration<double, std::milli> time = Clock::now() - begun;
-    return Computed{*std::move(frame), *std::move(depth), time.count(), std::move(complaint)};
+    return Computed{*std::move(frame), *std::move(depth), time.count(), std::move(problem)};
   } catch (const std::exception& e) {
     return Fail(e.what());
   }
@@ -259,7 +258,7 @@ class FilesRun {
     std::error_code ignored;
     writing.is_folder_new = !fs::exists(folder, ignored);
     writing.line = LineOf(folder, depth, computed.ms);
-    writing.complaint = ComplaintOf(depth, std::move(computed.complaint));
+    writing.problem = ProblemOf(depth, std::move(computed.problem));
     if (depth.motion) writing.motion = MotionRow(pair.left, *depth.motion);
     writing.written = std::async(
         std::launch::async, [this, folder, computed = std::move(computed)]() -> Result<void> {
@@ -279,14 +278,13 @@ class FilesRun {
     if (written) {
       motions_ += writing_->motion;
       std::cout << Printable(writing_->line) << std::endl;
-      if (!writing_->complaint.empty()) {
+      if (!writing_->problem.empty()) {
         ++wrong_;
-        Say(writing_->left.string() + ": " + writing_->complaint);
+        Say(writing_->left.string() + ": " + writing_->problem);
       }
     } else {
       LeaveOut(writing_->left, written.error());
-      // Unless there is something in it.
-      if (writing_->is_folder_new) rmdir(writing_->folder.c_str());
+      if (writing_->is_folder_new) rmdir(writing_->folder.c_str());  // if it is empty
     }
     writing_.reset();
   }
@@ -313,22 +311,22 @@ class FilesRun {
 // Settings of what sprout-depth publishes would be believed to hold for files, too.
 void RequireAllApplied(const DepthConfig& config) {
   const DepthConfig usual;
-  const auto refuse = [](bool is_given, const std::string& name) {
+  const auto reject = [](bool is_given, const std::string& name) {
     if (!is_given) return;
     throw ConfigError("depth." + name +
                       ": is of what sprout-depth publishes, `files` does not apply it; allowed: "
                       "without it");
   };
-  refuse(config.every() != usual.every(), "every");
-  refuse(config.mm_per_count() != usual.mm_per_count(), "mm_per_count");
-  refuse(config.scale() != usual.scale(), "scale");
-  refuse(config.cloud_stride() != usual.cloud_stride(), "cloud_stride");
-  refuse(config.cloud_voxel_m() != usual.cloud_voxel_m(), "cloud_voxel_m");
-  refuse(config.publish_scan(), "publish_scan");
-  refuse(!config.target().empty(), "target");
+  reject(config.every() != usual.every(), "every");
+  reject(config.mm_per_count() != usual.mm_per_count(), "mm_per_count");
+  reject(config.scale() != usual.scale(), "scale");
+  reject(config.cloud_stride() != usual.cloud_stride(), "cloud_stride");
+  reject(config.cloud_voxel_m() != usual.cloud_voxel_m(), "cloud_voxel_m");
+  reject(config.publish_scan(), "publish_scan");
+  reject(!config.target().empty(), "target");
 }
 
-// @returns whether it was not there before.
+// Creates the output folder. @returns whether it is new.
 bool CreateFolder(const std::string& out) {
   std::error_code ignored;
   const bool is_new = !fs::exists(out, ignored);
@@ -336,7 +334,7 @@ bool CreateFolder(const std::string& out) {
   return is_new;
 }
 
-// Nothing that is read may be replaced, be it the next pair's.
+// No result may replace an input of this run, be it the next pair's.
 void RequireInputsStay(const std::vector<ImagePair>& pairs, const fs::path& out) {
   for (const ImagePair& pair : pairs) {
     for (const fs::path& input : {pair.left, pair.right, pair.tof}) NoteInputFile(input);
@@ -375,7 +373,7 @@ int RunFiles(const FilesOptions& options, SproutConfig config, const std::stop_t
                              run.wrong(), pairs);
   }
   if (is_new && run.left_out() == pairs) {
-    rmdir(options.out.c_str());  // unless there is something in it
+    rmdir(options.out.c_str());  // if it is empty
     return 1;
   }
   if (config.temporal().in_pipeline()) {

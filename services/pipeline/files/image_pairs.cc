@@ -79,7 +79,7 @@ std::vector<fs::path> FilesOf(const std::string& what, const std::string& text) 
                                   WhyClosed(text)));
   }
   std::vector<fs::path> files(names.begin(), names.end());
-  std::ranges::sort(files);  // the file system's order is any
+  std::ranges::sort(files);  // file systems have no order
   return files;
 }
 
@@ -129,7 +129,8 @@ void NoteOrder(const std::string& what, const PairedNames& paired,
       "{} belong together in the order of their names: nothing in these says more", what));
 }
 
-// Cameras that count from 0 and from 1 have equal numbers of different moments.
+// Warns where one camera may count from 0 and the other from 1: then equal numbers are of different
+// moments.
 void NoteShifted(const std::string& what, const PairedNames& paired,
                  const std::vector<std::string>& first, const std::vector<std::string>& second,
                  std::vector<std::string>& notes) {

@@ -46,8 +46,8 @@ PairReader::PairReader(const RigOptions& options, const PixelOptions& pixels)
   }
 }
 
-// One focal length is that of images of one size, or of crops of them; those of a data set may
-// differ by some columns.
+// A focal length in px holds for images of one size and crops of them, not for scaled ones. Images
+// of a data set may differ by some columns.
 Result<void> PairReader::CheckFirstSize(cv::Size size) {
   if (first_size_.empty()) first_size_ = size;
   constexpr double kAlike = 1.1;
@@ -82,8 +82,8 @@ Result<RectifiedPair> PairReader::PairOf(const cv::Mat& left) {
 // A range image that shows just what the left image shows has pixels as wide as high.
 void PairReader::NoteOblong(cv::Size tof, cv::Size left) {
   const double columns = static_cast<double>(tof.height) * left.width / left.height;
-  constexpr double kMost = 0.05;  // the nearest whole number of columns is square, too
-  const bool is_square = std::abs(tof.width - columns) <= std::max(1.0, kMost * columns);
+  constexpr double kMaxShare = 0.05;  // of the columns; one column off is rounding
+  const bool is_square = std::abs(tof.width - columns) <= std::max(1.0, kMaxShare * columns);
   if (noted_oblong_ || tof.empty() || is_square) return;
   noted_oblong_ = true;
   note_ = fmt::format(
@@ -92,7 +92,7 @@ void PairReader::NoteOblong(cv::Size tof, cv::Size left) {
       SizeText(tof), columns / tof.width, SizeText(left));
 }
 
-// Gives a pair that is rectified already its calibration.
+// Gives a pair that is already rectified its calibration.
 Result<void> PairReader::Calibrate(Frame& frame) {
   const Result<RectifiedPair> pair = PairOf(frame.left);
   if (!pair) return tl::unexpected(pair.error());

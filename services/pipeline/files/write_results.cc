@@ -28,7 +28,7 @@ cv::Mat1w CountsOf(const DisparityImage& disparity) {
   return counts;
 }
 
-// NAME.pfm and NAME.png.
+// Writes NAME.pfm and NAME.png.
 Result<void> WriteMap(const std::filesystem::path& folder, const std::string& name,
                       const DisparityImage& map) {
   return WritePfm(folder / (name + ".pfm"), map).and_then([&] {
@@ -42,7 +42,7 @@ Result<void> WriteDepth(const std::filesystem::path& folder, const cv::Mat1f& de
   });
 }
 
-// The left camera that all maps belong to, and what makes depth of disparity.
+// Writes the left camera that all maps belong to, and what turns disparity into depth.
 Result<void> WriteCamera(const std::filesystem::path& path, const RectifiedPair& pair) {
   OutputFile file(path);
   file.Write(fmt::format(
@@ -78,8 +78,8 @@ struct Job {
   std::function<Result<void>()> write;
 };
 
-// Each in a thread of its own that takes the next one. Not by OpenCV's threads, of which the frame
-// that is computed meanwhile would get none.
+// Runs the jobs on threads of their own: on OpenCV's they would leave none to the frame that is
+// computed meanwhile.
 // @returns the first failure in the order of the jobs.
 Result<void> RunJobs(const std::vector<Job>& jobs) {
   std::vector<Result<void>> results(jobs.size());
@@ -166,7 +166,7 @@ Result<void> WriteResults(Frame frame, const DepthFrame& depth, DepthConfig::Inp
     write({"confidence.png"},
           [&] { return WritePng(folder / "confidence.png", depth.confidence); });
   }
-  // Fused maps have none.
+  // Fused maps have no standard deviation.
   if (is_wanted("sigma") && !depth.sigma.empty() && !of_fused) {
     write({"depth_sigma.pfm"}, [&] {
       return WritePfm(folder / "depth_sigma.pfm", DepthSigmaMap(pair, depth.kept, depth.sigma));
