@@ -42,17 +42,17 @@ double TimesMiddle(const Camera& camera) {
   return is_beyond(times, down == 1 ? kFarCrop : kResized) ? times : 1;
 }
 
-// What is hardly ever so of a calibration; empty: nothing.
+// What is unlikely in a calibration, as a baseline of 10 m; empty: nothing.
 std::string UnlikelyCalibration(const RectifiedPair& pair) {
-  constexpr double kWidestM = 5;
-  constexpr double kNarrowestM = 1e-3;
-  if (pair.baseline_m > kWidestM) {
+  constexpr double kMaxBaselineM = 5;
+  constexpr double kMinBaselineM = 1e-3;
+  if (pair.baseline_m > kMaxBaselineM) {
     return fmt::format(
         "the cameras are {:.4g} m apart, and no range shows that it is so: is the "
         "calibration in mm? it has to be in m",
         pair.baseline_m);
   }
-  if (pair.baseline_m < kNarrowestM) {
+  if (pair.baseline_m < kMinBaselineM) {
     return fmt::format(
         "the cameras are {:.2g} mm apart, and no range shows that it is so: is the "
         "baseline in m, and P of ROS with −f·b, not −b?",
@@ -68,7 +68,7 @@ std::string UnlikelyCalibration(const RectifiedPair& pair) {
   return {};
 }
 
-// No ranges show the scale, but few rigs are so.
+// Calls the scale bad where no ranges show it and the calibration is unlikely.
 void SayUnlikely(const RectifiedPair& pair, Finding& scale) {
   if (scale.verdict != Verdict::kCannotTell) return;
   std::string text = UnlikelyCalibration(pair);
@@ -77,8 +77,8 @@ void SayUnlikely(const RectifiedPair& pair, Finding& scale) {
   scale.text = std::move(text);
 }
 
-// The lens of range images of another size makes points that look turned, late or of another scale.
-// Where they fit nevertheless, the range images were cropped.
+// Says that the range sensor's lens is that of images of another size: then points look turned,
+// late or of another scale. Where they fit nevertheless, the range images were cropped.
 void SayResizedRanges(const Rig& rig, Findings& findings) {
   const double times = TimesMiddle(rig.tof);
   const auto found = [&](Question question) -> Finding& {
@@ -110,8 +110,8 @@ struct Shown {
   PairModel model;
 };
 
-// On the finest of three levels that shows one scene: noise, and blur of one image, hide corners on
-// fine levels. The finest where none does.
+// Matches on the finest of three levels that shows one scene, since noise, and blur of one image,
+// hide corners on fine levels; on the finest where none does.
 Shown MatchLevels(const cv::Mat1b& left, const cv::Mat1b& right) {
   std::optional<Shown> finest;
   for (int coarser = 0; coarser < 3; ++coarser) {
@@ -136,7 +136,7 @@ Findings CheckInputs(const cv::Mat1b& left, const cv::Mat1b& right, const TofIma
   std::optional<RangeModel> ranges;
   if (projector != nullptr) ranges = CompareRanges(model.inliers, tof, *projector);
   Findings findings = JudgePair(left, right, pair, matches, model, ranges ? &*ranges : nullptr);
-  // Stereo's places do not depend on one contrast.
+  // Matches are right with different contrasts, too.
   const bool fits = std::ranges::none_of(findings, [](const Finding& finding) {
     return finding.verdict == Verdict::kBad && finding.question != Question::kContrast;
   });

@@ -38,7 +38,7 @@ struct FeatureRules {
 constexpr int kSide = 8;  // of a descriptor's window, px
 constexpr int kMargin = kSide / 2 + 1;
 
-// A window less its mean, of norm about 512; more than ±127 is cut off.
+// A window less its mean, scaled to a norm of about 512 and clamped to ±127.
 struct Descriptor {
   std::array<int16_t, kSide * kSide> values;  // of 8 bits; 16 multiply faster
   double inverse_norm = 0;                    // of the values; 0: no texture
@@ -217,7 +217,8 @@ std::vector<std::pair<int, int>> PairUp(const std::vector<Feature>& left,
   return pairs;
 }
 
-// Where a parabola through three values has its top, from the middle one; nothing without a top.
+// The place of the top of a parabola through three values, from the middle one; nothing without
+// one.
 std::optional<double> TopOf(double before, double middle, double behind) {
   const double curvature = 2 * middle - before - behind;
   if (!(curvature > 0) || before > middle || behind > middle) return {};
@@ -252,8 +253,7 @@ class Surroundings {
   std::array<double, kWidth * kWidth> scores_{};
 };
 
-// The window's best place within `reach` px of a guess, to a fraction of a pixel: uphill from
-// there.
+// The window's best place within `reach` px of a guess, to a fraction of a pixel, by hill climbing.
 std::optional<cv::Point2d> Sharpen(const cv::Mat1b& left, const cv::Mat1b& right, cv::Point at_left,
                                    cv::Point guess, int reach) {
   const int margin = FeatureRules::kRadius + reach + 1;

@@ -32,15 +32,16 @@ struct ImageRules {
   static constexpr double kFields = 1.1;
   /// A row that differs from the next one so many times as much as around it may begin a tear.
   static constexpr double kTornFromRest = 2;
-  static constexpr double kLeastStep = 1;  ///< grey levels, the least difference around it
+  static constexpr double kMinStep = 1;  ///< grey levels, the least difference around it
   static constexpr int kRowsAround = 8;
   static constexpr size_t kTornTried = 8;  ///< rows
-  static constexpr int kLeastTornPx = 3;   ///< less: slanted edges
-  static constexpr int kMostTorn = 6;      ///< this part of the width
-  /// By which it differs less from the next row moved: 0.9 and more in images, 0.1 to 0.45 in most
-  /// torn ones.
+  static constexpr int kMinTornPx = 3;     ///< less: slanted edges
+  static constexpr int kMaxTornPart = 6;   ///< this part of the width
+  /// It differs from the next row moved by so many times of that: 0.9 and more in images, 0.1 to
+  /// 0.45 in most torn ones.
   static constexpr double kTornFits = 0.5;
-  /// The same anywhere else, where patterns repeat; it is no more in each part of the width.
+  /// Patterns fit at several places, a tear at one: nowhere else less than so many times, and there
+  /// in each part of the width no more.
   static constexpr double kTornElsewhere = 0.7;
   static constexpr int kParts = 4;
   static constexpr int kEnoughColumns = 300;  ///< of a row, for its mean difference
@@ -50,7 +51,7 @@ struct ImageRules {
   /// And by how much more that is on a level twice as fine; in good pairs at most 1.12, of images
   /// blurred by 4 px and more 1.16 to 1.85.
   static constexpr double kSharperFiner = 1.25;
-  static constexpr double kLeastSharp = 0.5;  ///< grey levels; less is noise
+  static constexpr double kMinSharp = 0.5;  ///< grey levels; less is noise
 };
 
 // Every fourth row from this one on, without a copy.
@@ -82,7 +83,7 @@ double MosaicOf(const cv::Mat1b& image) {
   return next / std::max(1.0, second);
 }
 
-// The same of rows: of two fields every second row is of another moment.
+// The same for rows: in an interlaced image every second row is of another moment.
 double FieldsOf(const cv::Mat1b& image) {
   if (image.rows < 3) return 0;
   const cv::Mat1b second = SomeRows(image, 2);
@@ -96,7 +97,7 @@ struct Tear {
   int columns = 0;  // that what is below lies further right
 };
 
-// Columns that are inside so far aside, too.
+// The columns that are still inside when moved so far.
 cv::Range ColumnsAside(const cv::Mat1b& image, int aside) {
   return {std::max(0, -aside), image.cols - std::max(0, aside)};
 }
@@ -124,13 +125,13 @@ std::vector<double> StepsOf(const cv::Mat1b& image) {
 }
 
 // Rows that differ most from the next one, against the rows around: {times, row}.
-std::vector<std::pair<double, int>> PerhapsTorn(const std::vector<double>& steps) {
+std::vector<std::pair<double, int>> TearCandidates(const std::vector<double>& steps) {
   std::vector<std::pair<double, int>> rows;
   for (int y = ImageRules::kRowsAround; y < std::ssize(steps) - ImageRules::kRowsAround; ++y) {
     const auto at = steps.begin() + y;
     const double around =
         Median(std::vector(at - ImageRules::kRowsAround, at + ImageRules::kRowsAround + 1));
-    const double times = steps[static_cast<size_t>(y)] / std::max(around, ImageRules::kLeastStep);
+    const double times = steps[static_cast<size_t>(y)] / std::max(around, ImageRules::kMinStep);
     if (times > ImageRules::kTornFromRest) rows.emplace_back(times, y);
   }
   std::ranges::sort(rows, std::greater{});
@@ -140,14 +141,14 @@ std::vector<std::pair<double, int>> PerhapsTorn(const std::vector<double>& steps
 
 // Whether the next row continues this one at one other place, all over the width.
 std::optional<Tear> TearBelow(const cv::Mat1b& image, int y, double step) {
-  const int most = image.cols / ImageRules::kMostTorn;
+  const int most = image.cols / ImageRules::kMaxTornPart;
   std::vector<double> steps;
   for (int aside = -most; aside <= most; ++aside) {
     steps.push_back(StepAside(image, y, ColumnsAside(image, aside), aside));
   }
   const auto best = std::ranges::min_element(steps);
   const auto columns = static_cast<int>(best - steps.begin()) - most;
-  if (*best > ImageRules::kTornFits * step || std::abs(columns) < ImageRules::kLeastTornPx) {
+  if (*best > ImageRules::kTornFits * step || std::abs(columns) < ImageRules::kMinTornPx) {
     return {};
   }
   for (int aside = -most; aside <= most; ++aside) {
@@ -168,18 +169,19 @@ std::optional<Tear> TearBelow(const cv::Mat1b& image, int y, double step) {
   return Tear{y + 1, columns};
 }
 
-// Where an image continues aside: its lower part is of another moment, or bytes were lost.
+// The row from which on an image is moved sideways: its lower part is of another moment, or bytes
+// were lost.
 std::optional<Tear> FindTear(const cv::Mat1b& image) {
-  if (image.cols < 2 * ImageRules::kMostTorn) return {};
+  if (image.cols < 2 * ImageRules::kMaxTornPart) return {};
   const std::vector<double> steps = StepsOf(image);
-  for (const auto& [times, row] : PerhapsTorn(steps)) {
+  for (const auto& [times, row] : TearCandidates(steps)) {
     if (auto tear = TearBelow(image, row, steps[static_cast<size_t>(row)])) return tear;
   }
   return {};
 }
 
-// Empty: none.
-std::string RowsThatDoNotJoin(const char* which, const cv::Mat1b& image) {
+// What is wrong between the rows of an image; empty: nothing.
+std::string RowFault(const char* which, const cv::Mat1b& image) {
   if (const double fields = FieldsOf(image); fields > ImageRules::kFields) {
     return fmt::format(
         "rows of the {} image differ {:.1f} times as much from the next as from the second next "
@@ -231,8 +233,8 @@ std::string FaultOf(const cv::Mat1b& left, const cv::Mat1b& right) {
         "as bayer_rggb8",
         mosaic);
   }
-  const std::string of_rows = RowsThatDoNotJoin("left", left);
-  return of_rows.empty() ? RowsThatDoNotJoin("right", right) : of_rows;
+  const std::string of_rows = RowFault("left", left);
+  return of_rows.empty() ? RowFault("right", right) : of_rows;
 }
 
 }  // namespace
@@ -258,7 +260,7 @@ std::optional<Finding> FindBlur(const cv::Mat1b& left, const cv::Mat1b& right) {
   const cv::Mat1b fine_right = Halved(right);
   const double of_left = SharpnessOf(Halved(fine_left));
   const double of_right = SharpnessOf(Halved(fine_right));
-  if (!(std::min(of_left, of_right) > ImageRules::kLeastSharp)) return {};
+  if (!(std::min(of_left, of_right) > ImageRules::kMinSharp)) return {};
   const double ratio = of_right / of_left;
   const double finer = SharpnessOf(fine_right) / SharpnessOf(fine_left) / ratio;
   const double side = ratio < 1 ? -1 : 1;

@@ -112,8 +112,8 @@ bool RowsAreBent(const PairModel& model) {
          PairRules::kMaxRowsPx;
 }
 
-// By how much columns at the sides are off: what is larger in one image is so in both directions,
-// and of its scale rows alone tell. Nothing where that is not sure, or less than rows are off.
+// How far columns at the sides are off since one image is larger: rows show its scale, which is the
+// same in both directions. Nothing where that is not sure, or less than rows are off.
 std::optional<Estimate> ColumnsOff(const PairModel& model, int width) {
   const double from_middle_px = PairRules::kSides * width;
   const double off_px = std::abs(model.stretch.value) * from_middle_px;

@@ -43,7 +43,7 @@ struct RangeVerdicts {
   static constexpr double kMinMoveM = 0.2;
 };
 
-// True metres of a number, what it is read as, and its name.
+// A unit that ranges may have: true metres a metre that was read, what to ask, and --tof-unit.
 struct UnitRow {
   double factor;
   const char* text;
@@ -107,7 +107,7 @@ bool IsScaled(const RangeModel& model) {
           model.as_is.compared < scaled.compared / 2);
 }
 
-// Whether they are large where stereo is near: no factor explains that.
+// Whether ranges are large where stereo is near: no factor explains that.
 bool IsInverse(const RangeModel& model) {
   const Agreement& inverse = model.inverse;
   return inverse.compared >= RangeVerdicts::kFewCompared &&
@@ -175,13 +175,14 @@ std::string ReturnsText(const RangeModel& model) {
       model.returns, model.pixels, std::min(model.in_picture, model.returns));
 }
 
-// What lies so near that the right camera does not see it becomes no seed and is never compared.
+// Whether points lie too near for the right camera to see them: they become no seeds, and are never
+// compared.
 bool AreTooNear(const RangeModel& model) {
   return model.in_picture >= RangeVerdicts::kManyInPicture &&
          model.in_both < RangeVerdicts::kHitsBoth * model.in_picture;
 }
 
-// Whether a number among the ranges means that there is none, and that is all.
+// Whether a number stands for no range, and nothing else is wrong.
 bool HasNoReturn(const RangeModel& model) {
   return model.repeated.count > 0 && model.repeated.MeansNothing() && !AreTooNear(model) &&
          !IsExplained(model);

@@ -35,7 +35,7 @@ struct SideRules {
   /// own error) with so many matches, of which so many are close, and surely fewer otherwise.
   static constexpr double kMinAsidePx = 4;
   static constexpr int kSomeCompared = 40;
-  static constexpr double kMostAreClose = 0.7;
+  static constexpr double kMinClose = 0.7;
   static constexpr double kSureAside = 3;  ///< standard deviations
 };
 
@@ -58,12 +58,12 @@ void JudgeOrder(const cv::Mat1b& left, const cv::Mat1b& right, const PairModel& 
   const double least = Quantile(disparities, SideRules::kFalseMatches);
   const double most = Quantile(disparities, 1 - SideRules::kFalseMatches);
   const OcclusionOrder order = FindOcclusionOrder(left, right, least, most);
-  if (order.sure < -SideRules::kSureOrder) {
+  if (order.sigmas < -SideRules::kSureOrder) {
     finding.verdict = Verdict::kBad;
-    finding.text = fmt::format("{}: far things hide near ones, by {:.1f} σ", kSwapped, -order.sure);
-  } else if (order.sure > SideRules::kSureOrder) {
+    finding.text = fmt::format("{}: far things hide near ones, by {:.1f} σ", kSwapped, -order.sigmas);
+  } else if (order.sigmas > SideRules::kSureOrder) {
     finding.verdict = Verdict::kGood;
-    finding.text = fmt::format("near things hide far ones, by {:.1f} σ", order.sure);
+    finding.text = fmt::format("near things hide far ones, by {:.1f} σ", order.sigmas);
   }
 }
 
@@ -84,7 +84,7 @@ bool AreColumnsAside(const RangeModel& ranges) {
   };
   return aside.compared >= SideRules::kSomeCompared &&
          std::abs(aside.with.columns_px) >= SideRules::kMinAsidePx &&
-         aside.close_share() >= SideRules::kMostAreClose &&
+         aside.close_share() >= SideRules::kMinClose &&
          std::ranges::all_of(
              std::array{&ranges.as_is, &ranges.scaled, &ranges.inverse, &ranges.turned,
                         &ranges.moved, &ranges.shifted, &ranges.spread, &ranges.swapped},

@@ -46,7 +46,7 @@ cv::Mat1f Disparities(const cv::Mat1b& left, const cv::Mat1b& right, int least, 
   return disparities;
 }
 
-// The image with the brightness and contrast of another one: matches compare grey values.
+// The image with the brightness and contrast of the other one, since matches compare grey values.
 cv::Mat1b Alike(const cv::Mat1b& image, const cv::Mat1b& other) {
   cv::Scalar mean, sigma, other_mean, other_sigma;
   cv::meanStdDev(image, mean, sigma);
@@ -189,7 +189,7 @@ OcclusionOrder FindOcclusionOrder(const cv::Mat1b& left, const cv::Mat1b& right,
   OcclusionOrder order = {.edges = votes.count};
   if (votes.count == 0) return order;
   order.share = votes.sum / votes.count;
-  order.sure = votes.squares > 0 ? votes.sum / std::sqrt(votes.squares) : 0;
+  order.sigmas = votes.squares > 0 ? votes.sum / std::sqrt(votes.squares) : 0;
   return order;
 }
 

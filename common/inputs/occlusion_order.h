@@ -8,10 +8,10 @@ namespace sprout::inputs {
 /// only one image shows belongs to the farther surface. Where left and right are swapped (or both
 /// images mirrored) all disparities are negated, and it seems to belong to the nearer one.
 struct OcclusionOrder {
-  int edges = 0;     ///< rows of depth edges that were looked at, in both images
-  double share = 0;  ///< mean place of the change of brightness in these strips: 1 all at the side
-                     ///< of the surface with the larger disparity, −1 all at the other side
-  double sure = 0;   ///< share in standard deviations; 0 without an edge
+  int edges = 0;      ///< rows of depth edges that were looked at, in both images
+  double share = 0;   ///< mean place of the change of brightness in these strips: 1 all at the side
+                      ///< of the surface with the larger disparity, −1 all at the other side
+  double sigmas = 0;  ///< share in standard deviations; 0 without an edge
 };
 
 /// Semi-global matching (OpenCV's) of a level of at most 0.2 MP, from either image.

@@ -21,9 +21,9 @@ struct ModelRules {
   static constexpr int kIterations = 6;
   static constexpr double kTukey = 4.685;
   static constexpr double kMinScaleSteps = 0.1;  ///< of residuals: what a position is good for
-  static constexpr size_t kFewest = 12;          ///< matches that five numbers are fitted to
+  static constexpr size_t kMinMatches = 12;      ///< matches that five numbers are fitted to
   /// The same for (3), whose ends are free: of fewer, blurred pairs seem to be bent.
-  static constexpr size_t kFewestOfBent = 80;
+  static constexpr size_t kMinBentMatches = 80;
   static constexpr int kColumns = 4;  ///< of cells
   static constexpr int kRows = 3;
 };
@@ -148,7 +148,7 @@ Vector BestSample(const std::vector<Match>& matches, const Terms& terms, double 
   return best;
 }
 
-// Where a fit's rows are off.
+// How far rows are off at a place, by a fit.
 Estimate RowsAt(const Fit& fit, const Terms& terms, double x_px, double y_px) {
   const Vector row = terms.At(x_px, y_px, 0);
   return {row.dot(fit.model), std::sqrt(row.dot(fit.covariance * row))};
@@ -175,26 +175,26 @@ PairModel FitPair(const Matches& matches, cv::Size size) {
   const double p = std::min(1.0, tolerance / matches.most_rows_px);
   const double n = result.tried;
   result.by_chance = {n * p, std::sqrt(n * p * (1 - p))};
-  if (matches.matches.size() < ModelRules::kFewest) return result;
+  if (matches.matches.size() < ModelRules::kMinMatches) return result;
   std::vector<double> disparities;
   for (const Match& match : matches.matches) disparities.push_back(std::abs(match.disparity()));
   const Terms plane(Form::kPlane, size);
   const Vector start = BestSample(matches.matches, plane, tolerance, size);
-  // What near things do, and bent rows, may lead beyond the tolerance.
+  // Near things and bent rows may lie beyond the tolerance.
   std::vector<Match> near_model;
   for (const Match& match : matches.matches) {
     const double off = std::abs(match.rows() - plane.Of(match).dot(start));
     if (off <= tolerance) result.inliers.push_back(match);
     if (off <= 4 * tolerance) near_model.push_back(match);
   }
-  if (result.inliers.size() < ModelRules::kFewest) return result;
+  if (result.inliers.size() < ModelRules::kMinMatches) return result;
   const double least_scale = ModelRules::kMinScaleSteps * matches.step_px;
   const Fit rows = Solve(result.inliers, plane, start, least_scale);
   result.middle_px = RowsAt(rows, plane, size.width / 2.0, size.height / 2.0);
   result.worst_px = WorstRows(rows, plane, size);
   result.roll_rad = rows.model[1] / size.width;
   result.stretch = {rows.model[2] / size.height, std::sqrt(rows.covariance(2, 2)) / size.height};
-  if (near_model.size() >= ModelRules::kFewestOfBent) {
+  if (near_model.size() >= ModelRules::kMinBentMatches) {
     const Terms bent(Form::kBent, size);
     result.bent_px = WorstRows(Solve(near_model, bent, start, least_scale), bent, size);
   }

@@ -13,7 +13,7 @@ struct Estimate {
   double sigma = 0;
 };
 
-/// Their median, and its standard deviation as that of normal deviates; 0 and 0 of none. O(n).
+/// The median of values and its standard deviation, as of normal deviates; 0 and 0 of none. O(n).
 Estimate MedianOf(std::vector<double> values);
 
 /// How many rows the right image lies lower than the left one, and which matches say so:

@@ -10,8 +10,8 @@ namespace sprout::inputs {
 namespace {
 
 struct PointGridRules {
-  static constexpr double kReach = 1.5;       ///< of a match's neighbours, in spacings of points
-  static constexpr size_t kFewestAround = 3;  ///< points around a match
+  static constexpr double kReach = 1.5;    ///< of a match's neighbours, in spacings of points
+  static constexpr size_t kMinAround = 3;  ///< points around a match
   static constexpr size_t kMaxAround = 64;
   /// Their middle may lie so far beside the match, px: beside a beam of a lidar the disparity of a
   /// road changes by a third of a pixel a row (baseline / height of the cameras).
@@ -62,7 +62,7 @@ std::optional<double> PointGrid::SurfaceAt(const cv::Point2f& at) {
 
 // @param aside  sum of the points' offsets from the match.
 std::optional<double> PointGrid::MedianOfSurface(const cv::Point2f& aside) {
-  if (around_.size() < PointGridRules::kFewestAround) return {};
+  if (around_.size() < PointGridRules::kMinAround) return {};
   const float allowed =
       std::max(PointGridRules::kMaxAside, PointGridRules::kMaxAsideShare * reach_);
   const auto count = static_cast<float>(around_.size());

@@ -45,7 +45,7 @@ struct RangePixel {
   float depth;
 };
 
-// All values of a range image, and how many are returns.
+// All values of a range image; counts returns and pairs of them.
 std::vector<RangePixel> Collect(const TofImage& tof, RangeModel& model) {
   model.pixels = static_cast<int>(tof.depth_m.total());
   std::vector<RangePixel> all;
@@ -203,7 +203,7 @@ double ModeOf(std::vector<double> offs_px) {
   return offs_px[begin + count / 2];
 }
 
-// An image that was cropped, or a camera that is turned, moves all columns alike.
+// The best move of all columns alike, as of an image that was cropped, or a camera that is turned.
 Agreement BestAside(const Comparison& comparison, std::span<const RangePixel> pixels, int width) {
   const double beyond_all = width;  // of disparities below 1 px none is compared
   const Agreement all = comparison.Compare(pixels, {.columns_px = beyond_all});
@@ -211,7 +211,8 @@ Agreement BestAside(const Comparison& comparison, std::span<const RangePixel> pi
   return comparison.Compare(pixels, {.columns_px = beyond_all + ModeOf(all.offs_px)});
 }
 
-// Ranges of another unit are seen from elsewhere, so the factor is found in two steps.
+// The best factor. In another unit points lie at other places in the picture, so it takes two
+// steps.
 Agreement BestScaled(const Comparison& comparison, std::span<const RangePixel> pixels) {
   Agreement best;
   // Ranges in mm taken for m, and the other way round, may fall nowhere near the matches.
@@ -315,7 +316,8 @@ Agreement BestSpread(const Comparison& comparison, std::span<const RangePixel> p
   return best;
 }
 
-// Where pixels are not square they may be: images of 4:3 are taken for those of 16:9.
+// Tries square pixels, too, where the calibration has oblong ones: images of 4:3 may be taken for
+// 16:9.
 Agreement BestSpread(const Comparison& comparison, std::span<const RangePixel> pixels,
                      const TofCamera& tof) {
   Agreement best = BestSpread(comparison, pixels, 1);
@@ -331,8 +333,8 @@ std::vector<Match> Swapped(std::span<const Match> matches) {
   return swapped;
 }
 
-// What means nothing is left out of all that follows.
-void LookForRepeated(const TofImage& tof, const Comparison& comparison,
+// Removes the pixels with a number that stands for no return.
+void RemoveNoReturns(const TofImage& tof, const Comparison& comparison,
                      std::vector<RangePixel>& all, RepeatedRange& repeated) {
   repeated = FindRepeatedRange(tof);
   if (repeated.count == 0) return;
@@ -365,7 +367,7 @@ RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
   if (all.empty()) return model;
   const RectifiedPair& pair = projector.rig().pair;
   const Comparison comparison(matches, projector);
-  LookForRepeated(tof, comparison, all, model.repeated);
+  RemoveNoReturns(tof, comparison, all, model.repeated);
   const std::vector<RangePixel> pixels = Chosen(all, RangeRules::kMaxPoints);
   model.as_is = comparison.Compare(pixels, {});
   const double part = static_cast<double>(pixels.size()) / static_cast<double>(all.size());

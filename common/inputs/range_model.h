@@ -50,7 +50,7 @@ struct Hypothesis {
   double columns_px = 0;         ///< or the disparities of all matches are so much larger
 };
 
-/// How well range points and stereo agree then.
+/// How well range points and stereo agree under a hypothesis.
 struct Agreement {
   Hypothesis with;
   int in_picture = 0;  ///< points

@@ -7,7 +7,7 @@
 namespace sprout::inputs {
 namespace {
 
-constexpr int64_t kFewestWithout = 10;  // frames: half a second of quick cameras
+constexpr int64_t kMinSilentFrames = 10;  // frames: half a second of quick cameras
 
 }  // namespace
 
@@ -29,9 +29,9 @@ std::string RangeWatch::Add(const TofImage& tof, const SeedSet& seeds, const See
     if (!gives) break;
     ++gave_[step++];
   }
-  if (!came && without_ <= std::max(kFewestWithout, 2 * longest_pause_)) return {};
+  if (!came && without_ <= std::max(kMinSilentFrames, 2 * longest_pause_)) return {};
   auto silent = static_cast<Step>(step);
-  // What is so from the start CheckInputs() says, but that no seed comes of it.
+  // CheckInputs() says what is missing from the start, except for seeds.
   if (silent < Step::kSeeds && Gave(silent) == 0) silent = Step::kNone;
   if (silent == last_) return {};
   last_ = silent;

@@ -17,9 +17,9 @@ class RangeWatch {
   /// @param seeds, left_seeds  of a frame, with the counts of the rules.
   /// @returns a line with all counts when a step gives nothing that gave something in an earlier
   ///          frame, or when points are in the picture and none becomes a seed; once, until that
-  ///          changes; else nothing. What is so from the start CheckInputs() says. Of images that
-  ///          do not come it is said after more than 10 frames and twice the longest pause so far:
-  ///          many sensors are slower than the cameras.
+  ///          changes; else nothing. CheckInputs() says what is so from the start. Missing images
+  ///          are reported after more than 10 frames and twice the longest pause so far, since many
+  ///          sensors are slower than the cameras.
   std::string Add(const TofImage& tof, const SeedSet& seeds, const SeedSet& left_seeds);
 
  private:

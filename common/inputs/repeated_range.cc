@@ -7,9 +7,9 @@ namespace sprout::inputs {
 namespace {
 
 struct RepeatedRules {
-  static constexpr int kFewest = 20;
-  static constexpr double kShare = 0.005;  ///< of the pixels
-  static constexpr double kMost = 0.5;     ///< of the returns: more are the scene
+  static constexpr int kMinPixels = 20;
+  static constexpr double kShare = 0.005;   ///< of the pixels
+  static constexpr double kMaxShare = 0.5;  ///< of the returns: more are the scene
   /// Of the next smaller range: walls of one distance are not measured as one number, and numbers
   /// of a rounded depth lie nearer to each other.
   static constexpr double kGap = 1.25;
@@ -47,7 +47,8 @@ std::vector<Run> RunsOf(const cv::Mat1f& depth_m) {
   return runs;
 }
 
-// Of the ranges beside one the most frequent; also of the next ones, where they are coarse.
+// How often the most frequent range beside one comes; where ranges are coarse, the next one on
+// either side counts.
 int MostBeside(const std::vector<Run>& runs, size_t at) {
   const float reach = RepeatedRules::kBeside * runs[at].depth_m;
   int most = 0;
@@ -61,7 +62,7 @@ int MostBeside(const std::vector<Run>& runs, size_t at) {
   return most;
 }
 
-// In how many rows a depth stands.
+// The number of rows that have a depth.
 int RowsOf(const cv::Mat1f& depth_m, float depth) {
   int rows = 0;
   for (int y = 0; y < depth_m.rows; ++y) {
@@ -89,9 +90,10 @@ RepeatedRange FindRepeatedRange(const TofImage& tof) {
   int returns = 0;
   for (const float depth : tof.depth_m) returns += IsReturn(depth) ? 1 : 0;
   const double fewest = std::max<double>(
-      RepeatedRules::kFewest, RepeatedRules::kShare * static_cast<double>(tof.depth_m.total()));
+      RepeatedRules::kMinPixels, RepeatedRules::kShare * static_cast<double>(tof.depth_m.total()));
   const int beside = MostBeside(runs, static_cast<size_t>(most - runs.begin()));
-  const bool is_repeated = found.count >= fewest && found.count <= RepeatedRules::kMost * returns &&
+  const bool is_repeated = found.count >= fewest &&
+                           found.count <= RepeatedRules::kMaxShare * returns &&
                            (is_beyond || most->count >= RepeatedRules::kTimesBeside * beside) &&
                            RowsOf(tof.depth_m, found.depth_m) >= RepeatedRules::kRows;
   return is_repeated ? found : RepeatedRange{};

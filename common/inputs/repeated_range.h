@@ -18,7 +18,7 @@ struct RepeatedRange {
   bool MeansNothing() const;
 };
 
-/// Without what matches say of it. O(ToF pixels).
+/// Finds such a range by the range image alone: `compared` and `agreeing` stay 0. O(ToF pixels).
 RepeatedRange FindRepeatedRange(const TofImage& tof);
 
 }  // namespace sprout::inputs
