@@ -18,7 +18,7 @@
 namespace sprout {
 namespace {
 
-// What every CPU has.
+// The instruction set that every CPU has.
 constexpr int64_t kScalar = HWY_SCALAR;
 
 std::string NameOf(int64_t target) {
@@ -66,15 +66,14 @@ void LimitSimd(const std::string& level) {
 
 void KeepMemory() {
 #ifdef __GLIBC__
-  constexpr int kLargestFromHeap = 32
-                                   << 20;  // bytes; glibc takes no more. 8 MP in colour have 24 MB
-  mallopt(M_MMAP_THRESHOLD, kLargestFromHeap);
+  constexpr int kMaxFromHeap = 32 << 20;  // bytes; glibc takes no more. 8 MP in colour have 24 MB
+  mallopt(M_MMAP_THRESHOLD, kMaxFromHeap);
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
 #endif
 }
 
 void TouchMemory(size_t bytes) {
-  constexpr size_t kBlock = size_t{8} << 20;  // bytes; a map of a frame, far from kLargestFromHeap
+  constexpr size_t kBlock = size_t{8} << 20;  // bytes; a map of a frame, far from kMaxFromHeap
   constexpr size_t kPage = 4096;              // the smallest that Linux has
   std::vector<std::unique_ptr<char[]>> blocks((bytes + kBlock - 1) / kBlock);
   for (std::unique_ptr<char[]>& block : blocks) {

@@ -81,7 +81,7 @@ Value ElementOf(const std::optional<Value>&);
 template <typename Value>
 Value ElementOf(const std::vector<Value>&);
 
-// What has to exist is read; nothing that the program writes may replace it.
+// Notes a file that has to exist: it is read, so nothing that the program writes may replace it.
 CLI::Validator Noted() {
   return {[](const std::string& path) -> std::string {
             NoteInputFile(path);
@@ -98,7 +98,7 @@ CLI::Validator Open() {
           ""};
 }
 
-// No prefix is a prefix like others; COMMAND is another program's.
+// An empty prefix is valid, and a COMMAND is run by another program.
 constexpr std::array<std::string_view, 2> kMayBeEmpty = {"--channel-prefix", "COMMAND"};
 
 // An empty text means what no flag means, and that is not what `--log "$FILE"` asks for when FILE

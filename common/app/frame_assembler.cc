@@ -11,8 +11,8 @@
 namespace sprout {
 namespace {
 
-// Messages among which a second answer for a frame is looked for: those of some ten frames. Frames
-// of a short log that plays again may be answered otherwise after a stage was started again.
+// Messages among which a second answer for a frame is looked for: those of some ten frames. Farther
+// back, frames of a log that plays in a loop may have had another answer by right.
 constexpr size_t kMaxTaken = 48;
 
 // Of a message the first KB of every 16 KB: of two answers for a frame, seldom alike, that tells
@@ -67,7 +67,8 @@ std::vector<Frame> FrameAssembler::Add(std::string_view channel, std::span<const
   return {};
 }
 
-// A calibration comes again and again, with the time of each.
+// Whether the frame has had this part before, with other bytes. Calibrations come every second,
+// each with its own time, and do not count.
 bool FrameAssembler::IsSecondAnswer(const Taken& message) const {
   return message.part != Part::kRig && std::ranges::any_of(taken_, [&](const Taken& other) {
            return other.part == message.part && other.id == message.id &&
@@ -82,8 +83,8 @@ void FrameAssembler::TellOtherRig(const FrameId& id) {
                 "another rig_id");
 }
 
-// Of an earlier frame, and not of the one before. A clock does not come to the same µs again, a
-// short recording that plays in a loop (mcap:) does.
+// Whether an earlier frame, but not the one before, had this time. A clock does not come to the
+// same µs again, a short recording that plays in a loop (mcap:) does.
 bool FrameAssembler::IsKnownTime(int64_t utime) {
   if (!utimes_.empty() && utimes_.back() == utime) return false;
   const bool is_known = std::ranges::find(utimes_, utime) != utimes_.end();
@@ -92,7 +93,8 @@ bool FrameAssembler::IsKnownTime(int64_t utime) {
   return is_known;
 }
 
-// A single step back is that of a clock, of which capture and those that remember frames tell.
+// Warns of times that do not rise from the second step back on: a single one is that of a clock,
+// and capture and stages with memory report it.
 void FrameAssembler::TellTimesBack(const FrameId& id, size_t whole_frames) {
   const bool is_known = IsKnownTime(id.utime);
   if (joiner_.times_back() != std::exchange(times_back_, joiner_.times_back()) && !is_known) {

@@ -5,7 +5,7 @@
 namespace sprout {
 namespace {
 
-// Where nobody answers; older ones are forgotten.
+// Frames that are kept where no stage answers; older ones are forgotten.
 constexpr size_t kMaxUnanswered = 64;
 
 }  // namespace

@@ -134,7 +134,7 @@ class LiveInput {
     if (is_first_) under_way_.Sent(id, worked);
   }
 
-  // Hears nothing any more. What nobody takes is counted.
+  // Stops receiving, and counts the frames that are left as skipped.
   void Finish() {
     receiver_.reset();
     if (mailbox_.Clear()) monitor_.FrameSkipped();
@@ -212,7 +212,7 @@ class LiveInput {
   std::optional<Receiver> receiver_;  // last: it calls Hear()
 };
 
-// What went wrong is named only where something did.
+// The frames of a process; losses are named only where there are some.
 std::string CountsText(const StageStatus& status) {
   std::string text = fmt::format("{} frames in, {} out", status.frames_in, status.frames_out);
   const std::pair<int64_t, const char*> counts[] = {{status.frames_skipped, "skipped"},

@@ -21,7 +21,7 @@ struct Pipe {
     to_read = ends[0];
     to_write = ends[1];
   }
-  // What was not taken over.
+  // Closes the ends that nothing took over.
   ~Pipe() {
     for (const int end : {to_read, to_write}) {
       if (end >= 0) close(end);
@@ -33,7 +33,7 @@ struct Pipe {
   int to_write;
 };
 
-// Between fork() and here only what is safe there, since this program may have threads.
+// Between fork() and here only calls that are safe there, since this program may have threads.
 // Begins once it has a guard: nobody would end it if its parent were killed before.
 [[noreturn]] void BecomeProgram(char** arguments, int output, const Pipe& guarded) {
   setpgid(0, 0);
@@ -129,7 +129,7 @@ std::optional<int> Process::Wait(std::chrono::milliseconds timeout) {
   return exit_code_;
 }
 
-// Once all that the pipe can hold, so that one who writes without end keeps nobody waiting.
+// Reads what the pipe can hold once, so that an endless writer keeps nobody waiting.
 void Process::ReadOutput() {
   const std::lock_guard lock(mutex_);
   std::array<char, 65536> chunk;

@@ -46,7 +46,7 @@ std::optional<uint64_t> LimitOf(decltype(RLIMIT_AS) which) {
   return limit.rlim_cur;
 }
 
-// The most that it ever had: by now the threads and pictures of what failed are gone.
+// The largest address space so far: by now the threads and pictures of what failed are gone.
 uint64_t MostAddressSpaceBytes() {
   std::ifstream status("/proc/self/status");
   std::string name;

@@ -176,7 +176,7 @@ class Replay {
       if (id) NoteRig(id->rig_id, rigs_there_);
       return true;
     }
-    // What names no frame is left to the border, which counts it as a bad message.
+    // Decoding counts what names no frame as a bad message.
     if (TypeOf(bytes) != TypeOf(*part) || !id || id->seq < 0) return true;
     if (!seen_) seen_ = FrameRange{.first = id->seq, .last = id->seq};
     seen_->first = std::min(seen_->first, id->seq);

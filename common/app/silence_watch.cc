@@ -29,8 +29,8 @@ void Count(std::string_view channel, MessageCounts& counts) {
   }
 }
 
-// What is heard on all channels: messages of which the first datagram came, but for the last ones,
-// and whole ones. Bytes are of no interest.
+// Messages heard on all channels: those of which the first datagram came, except for the last ones,
+// and whole ones.
 struct Survey {
   MessageCounts begun;
   MessageCounts whole;

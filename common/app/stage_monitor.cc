@@ -223,7 +223,7 @@ void StageMonitor::TellLocked(const std::string& error) {
   trouble_ = now_();
 }
 
-// In place of `held`. One that is shown stays shown.
+// Replaces the warning `held` by a new text, which is shown if `held` was.
 void StageMonitor::HoldLocked(std::string& held, const std::string& text, bool show) {
   if (show || status_.last_error == held) status_.last_error = text;
   std::erase(held_, held);
@@ -244,7 +244,8 @@ void StageMonitor::LogLocked(OwnWarning& warning) {
   LogLine(LogLevel::kWarning, warning.text);
 }
 
-// What comes and goes with every frame gets no more such lines than it gets warnings.
+// Logs the end of a warning only if the log has its beginning: one that comes and goes with every
+// frame is logged once a minute.
 void StageMonitor::ResolveLocked(OwnWarning& warning) {
   if (warning.text.empty()) return;
   EndLocked(warning.text);

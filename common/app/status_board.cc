@@ -80,7 +80,7 @@ std::string RowText(const BoardRow& row, const std::vector<BoardRow>& rows, bool
                      static_cast<double>(s.rss_bytes) / (1 << 20), cover, s.host, s.pid);
 }
 
-// What two hosts need, and who hears nothing.
+// What to check where stages run on two hosts and some are not heard.
 std::string HostsText(const std::vector<BoardRow>& rows) {
   std::string missing;
   bool heard = false;

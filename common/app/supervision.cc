@@ -19,7 +19,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kLeast(1000);
+constexpr milliseconds kMinLimit(1000);
 constexpr milliseconds kStep(250);
 constexpr int kTimesSlowest = 4;
 
@@ -80,7 +80,7 @@ HangLimit::Duration HangLimit::limit() const {
   if (frames_.size() < kFramesToTrust) return most_;
   const Duration wanted = kTimesSlowest * *std::ranges::max_element(frames_);
   const Duration in_steps = (wanted + kStep - Duration(1)) / kStep * kStep;
-  return std::min(most_, std::max<Duration>(kLeast, in_steps));
+  return std::min(most_, std::max<Duration>(kMinLimit, in_steps));
 }
 
 Watchdog::Watchdog() : limit_(WatchdogTime()), told_(limit_.limit()), alive_(Clock::now()) {

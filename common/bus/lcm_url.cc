@@ -84,7 +84,7 @@ std::optional<std::string> OptionsError(std::string_view options) {
   return std::nullopt;
 }
 
-// What is wrong with the rest of it.
+// What is wrong with port and options, and with the group; nothing if all is right.
 std::optional<std::string> NetworkError(const ParsedUrl& url) {
   if (!url.port.empty() && !IsNumber(url.port, 1, 65535)) {
     return "port '" + url.port + "'; allowed: 1 to 65535";

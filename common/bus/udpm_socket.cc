@@ -15,7 +15,7 @@ namespace {
 
 // How long the thread waits for a datagram before it looks whether it should stop.
 constexpr timeval kPatience{.tv_sec = 0, .tv_usec = 100'000};
-constexpr size_t kLargestDatagram = 65536;
+constexpr size_t kMaxDatagram = 65536;
 
 // After so long without a datagram the group is joined again.
 constexpr std::chrono::seconds kSilence{1};
@@ -64,7 +64,7 @@ UdpmSocket::~UdpmSocket() { close(socket_); }
 void UdpmSocket::Receive(const std::stop_token& stop,
                          const std::function<void(DatagramJoiner::Message)>& on_message) {
   using Clock = std::chrono::steady_clock;
-  std::vector<uint8_t> datagram(kLargestDatagram);
+  std::vector<uint8_t> datagram(kMaxDatagram);
   Clock::time_point heard = Clock::now();
   Clock::time_point ran = heard;
   while (!stop.stop_requested()) {

@@ -45,7 +45,7 @@ enum class Part {
   kBaseCloud,        ///< the points of the cloud in the robot's frame
   kTargetDepth,      ///< depth as another camera sees it
   kTargetCloud,      ///< its points, in that camera's frame
-  kOdometry,         ///< the same as somebody else knows it: start_from_left and start_seq count
+  kOdometry,         ///< motion by another program: only start_from_left and start_seq count
   kTofZones,         ///< distances of a multi-zone sensor
 };
 inline constexpr int kPartCount = static_cast<int>(Part::kTofZones) + 1;

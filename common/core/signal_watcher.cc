@@ -17,26 +17,26 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Makes the thread look whether it is over. Nobody else sends it, and where it is not waited for it
+// Wakes the watcher's thread so that it can end. Nothing else sends this signal, and by default it
 // does nothing.
 constexpr int kWake = SIGURG;
 
-// What a thread does that was there before the watcher: it is given the signal no more, and the
-// process gets it again, until the watcher has it. Only calls that handlers may make.
-void PassOn(int signal, siginfo_t*, void* context) {
+// The handler in threads that are older than the watcher: blocks the signal in this thread and
+// sends it to the process again, until the watcher gets it. Only calls that handlers may make.
+void PassOnToProcess(int signal, siginfo_t*, void* context) {
   sigaddset(&static_cast<ucontext_t*>(context)->uc_sigmask, signal);
   kill(getpid(), signal);
 }
 
 void PassOnInOtherThreads(int signal) {
   struct sigaction action {};
-  action.sa_sigaction = PassOn;
+  action.sa_sigaction = PassOnToProcess;
   action.sa_flags = SA_SIGINFO | SA_RESTART;
   sigemptyset(&action.sa_mask);
   sigaction(signal, &action, nullptr);
 }
 
-// 0: never.
+// Sends SIGALRM after that time; 0: never.
 void SetAlarm(std::chrono::microseconds time) {
   const itimerval alarm{
       .it_interval = {},
@@ -44,7 +44,7 @@ void SetAlarm(std::chrono::microseconds time) {
   setitimer(ITIMER_REAL, &alarm, nullptr);
 }
 
-// Ignored: nohup started the process, which is to outlive its terminal.
+// Whether a signal is ignored, as SIGHUP where nohup started the process.
 bool IsIgnored(int signal) {
   struct sigaction action {};
   return sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;

@@ -9,7 +9,7 @@ namespace sprout {
 namespace {
 
 constexpr int kCellsAcross = 40;
-constexpr int kSmallestSide = 8;  // px
+constexpr int kMinCellSide = 8;  // px
 
 // Whether the nearest pixel is one of the image. Compared as it is: points beside the cameras
 // project to anywhere, and NaN nowhere.
@@ -29,7 +29,7 @@ int CellOf(float position, int count, int side) {
 
 float TofCoverage(std::span<const Seed> seeds, cv::Size size) {
   assert(!size.empty());
-  const int cell_px = std::max(kSmallestSide, size.width / kCellsAcross);
+  const int cell_px = std::max(kMinCellSide, size.width / kCellsAcross);
   // The remainder of the division gets no cell of its own: it would be small and hardly ever
   // covered.
   const int columns = std::max(1, size.width / cell_px);

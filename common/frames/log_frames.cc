@@ -65,7 +65,8 @@ void LogFrames::RequireOneAnswer() {
   }
 }
 
-// The first frames may stand before their calibration, which comes once a second only.
+// The positions of a frame's parts. The first frames may stand before their calibration, which
+// comes once a second, so this is searched further on.
 IndexedFrame LogFrames::PlacesOf(size_t number) {
   IndexedFrame places = index_.At(number);
   if (places.Has(Part::kRig) || !choice_.parts.Has(Part::kRig) || knows_all_rigs_) return places;

@@ -47,7 +47,7 @@ bool SequenceGaps::Add(const FrameId& id) {
   return false;
 }
 
-// With the fewest numbers left out; the newest stream before others.
+// The stream that a frame continues with the fewest numbers left out; of equal ones the newest.
 std::optional<SequenceGaps::Continued> SequenceGaps::Find(const FrameId& id) const {
   std::optional<Continued> best;
   for (size_t i = streams_.size(); i-- > 0;) {

@@ -11,7 +11,7 @@
 namespace sprout {
 namespace {
 
-constexpr int kFewest = 8;  // columns or rows of a sensor
+constexpr int kMinSensorSide = 8;  // columns or rows of a sensor
 
 // Columns at which something of the picture changes: where a pixel differs from the one before, or
 // where the slope does. Empty: more than every second column does.
@@ -53,7 +53,7 @@ constexpr Pattern kInterpolated{
 // The least number of equal parts of `length` of which columns show such a pattern, to less than a
 // pixel, which is the rounding of a pixel's place; 0: none.
 int PartsOf(const std::vector<int>& columns, int length, const Pattern& pattern) {
-  for (int parts = kFewest; parts <= length / pattern.least_px; ++parts) {
+  for (int parts = kMinSensorSide; parts <= length / pattern.least_px; ++parts) {
     const double side = static_cast<double>(length) / parts;
     double last = std::numeric_limits<double>::quiet_NaN();
     int used = 0, in_last = 0;
@@ -65,7 +65,8 @@ int PartsOf(const std::vector<int>& columns, int length, const Pattern& pattern)
       last = part;
       return in_last <= pattern.most_columns && std::abs((part + pattern.phase) * side - place) < 1;
     });
-    if (fit && used >= std::max<double>(kFewest - 1, pattern.least_share * parts - 1)) return parts;
+    if (fit && used >= std::max<double>(kMinSensorSide - 1, pattern.least_share * parts - 1))
+      return parts;
   }
   return 0;
 }
@@ -157,7 +158,7 @@ void NativeRanges::ToEnlarged(Seed& seed) const {
 
 std::optional<NativeRanges> FindNativeRanges(const TofImage& tof, const TofCamera& camera) {
   const cv::Size size = tof.depth_m.size();
-  if (size.width < 2 * kFewest || size.height < 2 * kFewest) return std::nullopt;
+  if (size.width < 2 * kMinSensorSide || size.height < 2 * kMinSensorSide) return std::nullopt;
   const Columns columns = NativeColumns(tof.depth_m);
   if (columns.count == 0) return std::nullopt;
   const Columns rows = NativeColumns(Transposed(tof.depth_m));

@@ -60,7 +60,8 @@ void JudgeOrder(const cv::Mat1b& left, const cv::Mat1b& right, const PairModel& 
   const OcclusionOrder order = FindOcclusionOrder(left, right, least, most);
   if (order.sigmas < -SideRules::kSureOrder) {
     finding.verdict = Verdict::kBad;
-    finding.text = fmt::format("{}: far things hide near ones, by {:.1f} σ", kSwapped, -order.sigmas);
+    finding.text =
+        fmt::format("{}: far things hide near ones, by {:.1f} σ", kSwapped, -order.sigmas);
   } else if (order.sigmas > SideRules::kSureOrder) {
     finding.verdict = Verdict::kGood;
     finding.text = fmt::format("near things hide far ones, by {:.1f} σ", order.sigmas);

@@ -112,7 +112,7 @@ bool EventFinder::IsContradicted(const EventPosition& place,
                                  const std::optional<EventPosition>& before, bool followed) {
   const auto next = DecodeHeader(Peek(place.end(), kHeaderBytes));
   if (next && Distance(place.header.number, next->number) == 1) return false;  // nearly always
-  if (IsOutOfBudget()) return true;                                            // nobody knows
+  if (IsOutOfBudget()) return true;                                            // no evidence
   return HoldsOthers(place, before, followed) || (!followed && EndsEarly(place)) || IsOutOfBudget();
 }
 

@@ -74,8 +74,8 @@ std::string TargetText(const TargetFigure& figure, const TargetQuality& quality)
 
 std::string TargetComplaint(const TargetQuality& quality) {
   if (!quality.distance_m) return "no plane: too few pixels of the region have a disparity";
-  constexpr double kMostRmsPx = 1;
-  if (!(quality.subpixel_rms_px > kMostRmsPx)) return "";
+  constexpr double kMaxRmsPx = 1;
+  if (!(quality.subpixel_rms_px > kMaxRmsPx)) return "";
   return fmt::format(
       "no plane: pixels lie {:.1f} px beside it (RMS): is the region flat, and its map right?",
       *quality.subpixel_rms_px);

@@ -31,7 +31,7 @@ void CheckTurn(Checks& checks, const std::string& name, const SeenTurn& seen) {
   }
 }
 
-// What is said must follow from what is seen.
+// A number that is not 0 must be significant, and 0 if it was not measured.
 void CheckNumber(Checks& checks, const std::string& field, double number, double sigma) {
   constexpr int kSigmas = 3;
   constexpr double kRounding = 1e-6;

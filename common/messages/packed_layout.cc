@@ -42,7 +42,7 @@ PackedLayout MapLayout(const Int32Fields& fields, size_t count) {
   return layout;
 }
 
-// Each gives the layout as the fields tell it; whether they are true the sizes show.
+// The layouts of the types, by their fields; the caller compares them with the message's size.
 PackedLayout OfImage(const Int32Fields& fields) {
   PackedLayout layout = MapLayout(fields, 5);
   const int32_t format = fields[3];

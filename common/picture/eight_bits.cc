@@ -53,11 +53,11 @@ int Largest(const std::vector<int64_t>& counts) {
 // Whether low bytes are as high ones of up to 14 bits are, and high ones reach beyond them: bytes
 // in the other order, as of PGM files that were written low byte first.
 bool LookSwapped(const std::vector<int64_t>& counts, int64_t total) {
-  constexpr size_t kMostOfHigh = (1 << 14) / kLevels;
+  constexpr size_t kMaxHighBytes = (1 << 14) / kLevels;
   int64_t some = 0;  // of the low bytes are not 0
   for (size_t value = 0; value < counts.size(); ++value) {
     const size_t low = value % kLevels;
-    if (low >= kMostOfHigh && counts[value] > 0) return false;
+    if (low >= kMaxHighBytes && counts[value] > 0) return false;
     if (low > 0) some += counts[value];
   }
   return 2 * some > total && Largest(counts) >= 1 << 14;

@@ -142,7 +142,7 @@ class FramePictures {
     }
   }
 
-  // What needs several parts.
+  // The pictures that need several parts.
   void ShowScene() {
     if (!HasCloud(frame_)) return;
     const cv::Mat3b cloud = Made("cloud.png", Cloud());

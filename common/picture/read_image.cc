@@ -95,16 +95,16 @@ bool HasJpegEnd(const std::filesystem::path& path) {
 
 // The first three numbers behind "P5", with comments between.
 void ReadPnm(FileBytes& file, Header& header) {
-  constexpr size_t kMost = 4096;
-  const std::string text = file.At(2, kMost);
+  constexpr size_t kMaxHeaderBytes = 4096;
+  const std::string text = file.At(2, kMaxHeaderBytes);
   std::array<int64_t*, 3> numbers = {&header.width, &header.height, &header.largest};
   size_t at = 0;
   for (int64_t* number : numbers) {
-    while (at < kMost && (text[at] < '0' || text[at] > '9')) {
-      if (text[at] == '#') at = std::min(text.find('\n', at), kMost - 1);
+    while (at < kMaxHeaderBytes && (text[at] < '0' || text[at] > '9')) {
+      if (text[at] == '#') at = std::min(text.find('\n', at), kMaxHeaderBytes - 1);
       ++at;
     }
-    for (; at < kMost && text[at] >= '0' && text[at] <= '9'; ++at) {
+    for (; at < kMaxHeaderBytes && text[at] >= '0' && text[at] <= '9'; ++at) {
       *number = std::min<int64_t>(10 * *number + (text[at] - '0'), int64_t{1} << 40);
     }
   }

@@ -5,7 +5,7 @@
 namespace sprout {
 namespace {
 
-constexpr double kFarthestM = 1e4;
+constexpr double kMaxRangeM = 1e4;
 constexpr double kMaxOffsetM = 100;  // as range_offset_m
 
 }  // namespace
@@ -34,7 +34,7 @@ void CheckCorrection(Checks& checks, const std::string& name,
   for (size_t i = 0; i < correction.size(); ++i) {
     const CorrectionKnot& knot = correction[i];
     const std::string at = name + "[" + std::to_string(i) + "].";
-    checks.Within(at + "range_m", knot.range_m, 0, kFarthestM, "m")
+    checks.Within(at + "range_m", knot.range_m, 0, kMaxRangeM, "m")
         .Within(at + "offset_m", knot.offset_m, -kMaxOffsetM, kMaxOffsetM, "m")
         .Within(at + "sigma_m", knot.sigma_m, 0, kMaxOffsetM, "m");
     if (i == 0) continue;

@@ -74,9 +74,9 @@ Result<Encoding> FindEncoding(const RosImage& ros, std::span<const Encoding> kno
 Result<cv::Mat> ViewOf(const RosImage& ros, int type) {
   const int64_t least = int64_t{CV_ELEM_SIZE(type)} * SideOf(ros.width);
   // Colour that is called grey would be stretched rows of every third column.
-  constexpr int64_t kLongestPadding = 256;
+  constexpr int64_t kMaxPadding = 256;
   const bool is_colour = ros.step == 3 * least || ros.step == 4 * least;
-  const bool is_other = is_colour && CV_ELEM_SIZE(type) == 1 && least > kLongestPadding;
+  const bool is_other = is_colour && CV_ELEM_SIZE(type) == 1 && least > kMaxPadding;
   const uint64_t bytes_needed = uint64_t{ros.step} * ros.height;
   const bool has_more = RosText(ros.encoding).starts_with("nv");
   Checks checks;
@@ -273,7 +273,7 @@ Result<cv::Mat1f> FromRosDepth(const RosImage& ros) {
 
 Result<std::vector<Eigen::Vector3d>> FromRosCloud(const RosPointCloud& ros) {
   constexpr uint64_t kMaxPoints = 20'000'000;
-  constexpr double kFarthestM = 1000;
+  constexpr double kMaxPointM = 1000;
   const uint64_t count = uint64_t{ros.width} * ros.height;
   const std::optional<Coordinate> x = CoordinateOf(ros, "x");
   const std::optional<Coordinate> y = CoordinateOf(ros, "y");
@@ -297,7 +297,7 @@ Result<std::vector<Eigen::Vector3d>> FromRosCloud(const RosPointCloud& ros) {
     const uint8_t* at = ros.data._buffer + size_t{v} * ros.row_step;
     for (uint32_t u = 0; u < ros.width; ++u, at += ros.point_step) {
       const Eigen::Vector3d point(x->At(at, swap), y->At(at, swap), z->At(at, swap));
-      if (point.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= kFarthestM) points.push_back(point);
+      if (point.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= kMaxPointM) points.push_back(point);
     }
   }
   return points;

@@ -97,12 +97,12 @@ bool IsMessage(const McapStretch& stretch, uint64_t end) {
 }  // namespace
 
 void McapTrouble::Tell(const std::string& file, uint64_t offset, const std::string& what) {
-  constexpr size_t kMost = 10;
+  constexpr size_t kMaxLines = 10;
   std::string line =
       (file.empty() ? "" : file + ": ") + "byte " + std::to_string(offset) + ": " + what;
   if (std::ranges::find(lines, line) != lines.end()) return;  // what is read again
   ++count;
-  if (lines.size() < kMost) lines.push_back(std::move(line));
+  if (lines.size() < kMaxLines) lines.push_back(std::move(line));
 }
 
 // Head of a record: opcode and length, and the first bytes of its content.

@@ -91,7 +91,7 @@ void OnLog(void* warn, const dds_log_data_t* data) {
   (*static_cast<RosWarnings::Warn*>(warn))("DDS: " + text, is_of_message);
 }
 
-// A domain, and who else had a say: DDS does not tell what is wrong with that.
+// A domain and its other configuration, for errors: DDS does not say which of them is wrong.
 std::string PlaceOf(int domain) {
   const std::string place = "domain " + std::to_string(domain);
   const char* const uri = std::getenv("CYCLONEDDS_URI");

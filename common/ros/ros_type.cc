@@ -199,7 +199,7 @@ constexpr std::tuple kTypeOf = {TypeOf<RosImage>{&kImage},
 constexpr std::array kTypes =
     std::apply([](auto... one) { return std::array{one.type...}; }, kTypeOf);
 
-// Each once, in the order in which they are met.
+// Adds the types that a type uses, each once, in the order in which they are met.
 void AddUsed(const RosType& type, std::vector<const RosType*>& used) {
   for (const RosType* one : type.uses) {
     if (std::ranges::find(used, one) != used.end()) continue;

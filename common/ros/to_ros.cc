@@ -51,7 +51,7 @@ std::shared_ptr<const void> SetImage(const RosPlace& place, const cv::Mat& image
   return std::make_shared<const cv::Mat>(image);
 }
 
-// All of them, row by row.
+// All pixels of an image, row by row.
 template <typename T>
 std::span<T> PixelsOf(cv::Mat_<T>& image) {
   return {image[0], image.total()};

@@ -31,7 +31,7 @@ bool ApplyNumber(const SourceOption& option, std::span<const NumberOption<Config
   return true;
 }
 
-// Each applies an option, and returns whether it is one of its own.
+// Each of these applies an option, and returns whether it is one that it knows.
 
 bool ApplyZonesOption(const SourceOption& option, ZonesConfig& config) {
   if (option.name == "mode" && (option.value == "mean" || option.value == "nearest")) {

@@ -15,7 +15,7 @@ namespace {
 constexpr int kPatchPx = 8;            // side of a patch
 constexpr int kNormalReachPx = 4;      // a plane is fitted to the pixels this far to all sides
 constexpr double kSameSurface = 0.05;  // depths within this share belong to one surface
-constexpr int kFewestForPlane = 8;
+constexpr int kMinForPlane = 8;
 constexpr double kMinCosine = 0.1;  // of the ray to the normal: surfaces seen from the side
 
 // A piece of surface in the camera's frame.
@@ -91,7 +91,7 @@ class Pieces {
       }
     }
     const Eigen::Vector3d towards = -view_.directions[Index(u, v)].normalized();
-    if (count < kFewestForPlane) return towards;
+    if (count < kMinForPlane) return towards;
     const Eigen::Matrix3d inverse = squares.inverse();
     const Eigen::Vector3d normal = inverse * right;
     if (!normal.allFinite() || !(normal.norm() > 0)) return towards;
