@@ -25,14 +25,14 @@ inline constexpr float kSurfacePx = 1;
 inline constexpr float kSurfaceShare = 0.02F;
 // Least weight of a pixel's neighbours on its surface, of 1.
 inline constexpr float kMinSupport = 0.25F;
-// Farthest that the disparity found may be from the one that said where to look, px.
-inline constexpr float kFarthestPx = 1.5F;
-// Variance of a disparity that the new map lacks: times this, every frame.
-inline constexpr float kAlone = 1.5F;
-// Variances are kept within these, px²: rounding and calibration leave a seventh of a pixel. What
-// the new map lacks is forgotten beyond the largest.
+// Largest difference of the disparity found from the one that said where to look, px.
+inline constexpr float kMaxCorrectionPx = 1.5F;
+// Factor by which the variance of a disparity that the new map lacks grows every frame.
+inline constexpr float kAgeing = 1.5F;
+// Fused variances are kept within these, px²: rounding and calibration leave errors of a seventh of
+// a pixel. Where the new map has no disparity, the memory is dropped above the largest.
 inline constexpr float kMinVariance = 0.02F;
-inline constexpr float kLargestVariance = 16;
+inline constexpr float kMaxVariance = 16;
 // Variance of a pixel without a disparity.
 inline constexpr float kNoVariance = 1e6F;
 
@@ -65,8 +65,8 @@ struct Block {
   alignas(64) float start[kBlock];   // disparity that says where to look, or kNone
   alignas(64) float last_u[kBlock];  // where that is in the last image
   alignas(64) float last_v[kBlock];
-  alignas(64) float expected[kBlock];  // disparity there; far from all others where that is outside
-  alignas(64) int32_t index[kBlock];   // of the pixel to the upper left of that place
+  alignas(64) float expected[kBlock];  // disparity expected there; −kNone where that is outside
+  alignas(64) int32_t index[kBlock];   // of the pixel at or to the upper left of that place
   alignas(64) float around[4][kBlock];
   alignas(64) float variance[kBlock];
   alignas(64) float found[kBlock];  // disparity now, or kNone
@@ -79,7 +79,7 @@ HWY_INLINE void Aim(const Memory& memory, int v, Block& block) {
   const Line y(memory.last_from_now, 1, row);
   const Line w(memory.last_from_now, 2, row);
   const float offset = memory.offset_px;
-  // The neighbours to the right and below must be inside.
+  // The right and lower neighbours have to be inside, too.
   const float right = static_cast<float>(memory.disparity.width) - 1.001F;
   const float bottom = static_cast<float>(memory.disparity.height) - 1.001F;
   const auto stride = static_cast<int32_t>(memory.disparity.stride);
@@ -99,8 +99,8 @@ HWY_INLINE void Aim(const Memory& memory, int v, Block& block) {
   }
 }
 
-// A better `start`: the disparity of the nearest pixel there, where it lies on the same surface.
-HWY_INLINE void Approach(const Memory& memory, Block& block) {
+// Replaces `start` by the disparity of the nearest pixel there, if it lies on the same surface.
+HWY_INLINE void RefineStart(const Memory& memory, Block& block) {
   const float* const disparity = memory.disparity.pixels;
   const auto stride = static_cast<int32_t>(memory.disparity.stride);
   for (int i = 0; i < block.count; ++i) {
@@ -120,7 +120,7 @@ HWY_INLINE void Approach(const Memory& memory, Block& block) {
   }
 }
 
-// (T4): the mean of the four neighbours that lie on the surface expected there, moved to now.
+// (T4): moves the mean of those of the four neighbours that lie on the expected surface.
 HWY_INLINE void Find(const Memory& memory, Block& block) {
   const float* const disparity = memory.disparity.pixels;
   const float* const variance = memory.variance.pixels;
@@ -161,7 +161,7 @@ HWY_INLINE void Find(const Memory& memory, Block& block) {
     const float growth = 1 / scale;
     const float now = rho * growth - offset;
     const bool good = (support >= kMinSupport) & (scale > 0) & (rho > 0) &
-                      (std::abs(now - block.start[i]) <= kFarthestPx) & (std::abs(now) < most);
+                      (std::abs(now - block.start[i]) <= kMaxCorrectionPx) & (std::abs(now) < most);
     const float growth2 = growth * growth;
     block.found[i] = good ? now : kNone;
     block.variance[i] = block.variance[i] * (growth2 * growth2) + memory.drift_px2;
@@ -179,7 +179,7 @@ void SplatOnTarget(const Memory& memory, float* cells) {
     const float* const second_row = map.Row(std::min(2 * v + 1, map.height - 1));
     const float middle = static_cast<float>(2 * v) + 0.5F;
     const Line x(motion, 0, middle), y(motion, 1, middle), w(motion, 2, middle);
-    // In an odd last column a pixel is its own neighbour.
+    // A last column without a partner is a cell of its own.
     for (int first = 0; first < columns; first += kBlock) {
       const int count = std::min(kBlock, columns - first);
       const int whole = std::min(count, map.width / 2 - first);
@@ -208,8 +208,8 @@ void SplatOnTarget(const Memory& memory, float* cells) {
               row[i] < static_cast<float>(rows))) {
           continue;
         }
-        // The cells to all sides, so that a surface that comes nearer has no holes. Both numbers
-        // are above −1, and the cells have a border.
+        // All four cells around, so that a surface that comes nearer has no holes. Both numbers are
+        // above −1, and the cells have a border.
         float* const above = cells + static_cast<ptrdiff_t>(row[i] + 1) * (columns + 2) +
                              static_cast<ptrdiff_t>(column[i] + 1);
         float* const below = above + columns + 2;
@@ -235,7 +235,7 @@ void LookUpOnTarget(const Memory& memory, const View<uint8_t>& grey, int cell_ro
       block.start[i] = cells[first + i];
     }
     Aim(memory, 2 * cell_row, block);
-    Approach(memory, block);
+    RefineStart(memory, block);
     Aim(memory, 2 * cell_row, block);
     Find(memory, block);
     for (int i = 0; i < block.count; ++i) {
@@ -255,9 +255,9 @@ void LookUpOnTarget(const Memory& memory, const View<uint8_t>& grey, int cell_ro
   }
 }
 
-// Again for pixels where nothing was found, from what the new map says: beside nearer things, which
-// cells make wider.
-HWY_INLINE void FindAgain(const Memory& memory, const int16_t* counts, int v, Block& block) {
+// Where nothing was found, looks again at the place that the new map's disparity points to. This is
+// so beside near things, which cells make wider.
+HWY_INLINE void FindFromNewMap(const Memory& memory, const int16_t* counts, int v, Block& block) {
   Block rest;
   int places[kBlock];
   for (int i = 0; i < block.count; ++i) {
@@ -275,13 +275,13 @@ HWY_INLINE void FindAgain(const Memory& memory, const int16_t* counts, int v, Bl
   }
 }
 
-// What a block is fused from, beside the memory.
+// The new measurements of a block.
 struct Fresh {
   alignas(64) float growth[kBlock];
   alignas(64) float disparity[kBlock];
   alignas(64) float variance[kBlock];
-  alignas(64) float disputed[kBlock];  // variance of a memory that disagrees, or 0
-  alignas(64) float least[kBlock];     // of the variance that is published, (T10)
+  alignas(64) float disputed[kBlock];  // the memory's variance where it disagrees, else 0
+  alignas(64) float least[kBlock];     // smallest variance that is published, (T10)
 };
 
 HWY_INLINE void Load(const FusionRow& row, int first, Block& block, Fresh& fresh) {
@@ -305,23 +305,23 @@ HWY_INLINE void Load(const FusionRow& row, int first, Block& block, Fresh& fresh
   }
 }
 
-// (T7) and (T8). The result takes the place of what was found.
+// Fuses by (T7) and (T8), in place: `found` and `variance` become the result.
 HWY_INLINE void Fuse(FusionRule rule, Fresh& fresh, Block& block) {
   for (int i = 0; i < block.count; ++i) {
     const float d = block.found[i];
     const float v = block.variance[i] * fresh.growth[i];
     const float r = fresh.variance[i];
     const bool is_new = fresh.disparity[i] > kHalfNone;
-    const bool lasts = is_new | (kAlone * v <= kLargestVariance);
+    const bool lasts = is_new | (kAgeing * v <= kMaxVariance);
     const bool known = (d > kHalfNone) & (fresh.growth[i] > 0) & lasts;
     const float difference = fresh.disparity[i] - d;
     const float sigmas = rule.gate_sigmas * std::sqrt(v + r);
     const float gate = std::min(std::max(sigmas, rule.gate_min_px), rule.gate_max_px);
     const float gain = std::max(v / (v + r), rule.min_gain);
     const bool agree = known & (std::abs(difference) < gate);
-    const bool older = known & (v < r);  // is surer
+    const bool older = known & (v < r);  // the memory is surer
     const float chosen = older ? d : fresh.disparity[i];
-    const float variance = older ? kAlone * v : r;
+    const float variance = older ? kAgeing * v : r;
     block.found[i] = agree ? d + gain * difference : chosen;
     block.variance[i] = agree ? (1 - gain) * v : variance;
     fresh.disputed[i] = known & is_new & !agree ? v : 0;
@@ -330,13 +330,13 @@ HWY_INLINE void Fuse(FusionRule rule, Fresh& fresh, Block& block) {
   }
 }
 
-// The result, and its confidence: (T9), (T10).
+// Writes the result with its confidence, (T9) and (T10).
 HWY_INLINE void Store(const FusionRow& row, int first, Fresh& fresh, Block& block) {
   std::copy_n(block.found, block.count, row.fused + first);
   alignas(64) int32_t counts[kBlock];
   for (int i = 0; i < block.count; ++i) {
     const bool known = block.found[i] > kHalfNone;
-    // Rounded half up: cut off a number that is above 0.
+    // Rounds half up: the conversion cuts off, and the number is shifted above 0.
     constexpr float kUp = -DisparityImage::kInvalid;
     const float up = (known ? block.found[i] : 0) * DisparityImage::kCountsPerPixel + (kUp + 0.5F);
     const int32_t count = static_cast<int32_t>(up) + DisparityImage::kInvalid;
@@ -352,7 +352,7 @@ HWY_INLINE void Store(const FusionRow& row, int first, Fresh& fresh, Block& bloc
       fresh.least[i] = row.scale->VarianceOfSurer(std::max(v, fresh.least[i]), r);
     }
     const float variance = std::max(block.variance[i], kMinVariance);
-    row.fused_variance[first + i] = std::min(variance, kLargestVariance);
+    row.fused_variance[first + i] = std::min(variance, kMaxVariance);
     const float told = std::max(variance, fresh.least[i]);
     confidence[i] = block.found[i] > kHalfNone ? row.scale->ConfidenceOf(told) : uint8_t{0};
   }
@@ -366,7 +366,7 @@ void FuseOnTarget(const Memory& memory, const FusionRule& rule, const FusionRow&
     Load(row, first, block, fresh);
     Aim(memory, row.v, block);
     Find(memory, block);
-    FindAgain(memory, row.counts + first, row.v, block);
+    FindFromNewMap(memory, row.counts + first, row.v, block);
     Fuse(rule, fresh, block);
     Store(row, first, fresh, block);
   }

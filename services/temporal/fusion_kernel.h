@@ -30,13 +30,13 @@ struct Memory {
 };
 
 /// Cells of 2×2 pixels: a coarse map of where the memory lies in the new image.
-/// Moves the nearest disparity of every cell, and keeps the nearest of what falls into one: (T3).
+/// Moves the nearest disparity of every cell to the new image, (T3); where several meet in a cell,
+/// the nearest is kept.
 /// @param cells  row by row, (width + 1)/2 × (height + 1)/2 and one more on every side, all kNone.
 void SplatCells(const Memory& memory, float* cells);
 
-/// For the upper left pixel of every cell of a row: its disparity in the memory, in place of the
-/// one that was moved there (which stays where there is none), and the difference of its grey value
-/// to that of the last image.
+/// For the upper left pixel of every cell of a row: replaces the cell's disparity by the memory's,
+/// where there is one, and gives the difference of its grey value from that of the last image.
 /// @param differences  −1 where there is no disparity.
 void LookUpCells(const Memory& memory, const View<uint8_t>& grey, int cell_row, float* cells,
                  float* differences);
@@ -44,7 +44,7 @@ void LookUpCells(const Memory& memory, const View<uint8_t>& grey, int cell_row, 
 /// How disparities are fused, (T7) to (T10).
 struct FusionRule {
   float gate_sigmas, gate_min_px, gate_max_px, min_gain;
-  float shared;  ///< share of a frame's variance that the frames before it do not make surer
+  float shared;  ///< share of a frame's variance that earlier frames cannot reduce, 0 to 1
 };
 
 /// What a row is fused from, and into.

@@ -7,14 +7,14 @@
 namespace sprout::temporal {
 namespace {
 
-constexpr int kSmallestSide = 32;  // px: two windows of the tracker
+constexpr int kMinSide = 32;  // px: two windows of the tracker
 
 cv::Mat1b Half(const cv::Mat1b& from) {
   return Halved(from(cv::Rect(0, 0, from.cols / 2 * 2, from.rows / 2 * 2)));
 }
 
 bool CanBeHalved(const cv::Mat1b& level) {
-  return std::min(level.rows, level.cols) >= 2 * kSmallestSide;
+  return std::min(level.rows, level.cols) >= 2 * kMinSide;
 }
 
 }  // namespace

@@ -11,17 +11,18 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr int kSamples = 200;    // with half of the points inliers, all miss with 10⁻¹¹
-constexpr int kSampleSteps = 5;  // of Gauss and Newton; motions from frame to frame are small
+constexpr int kSamples = 200;  // if half of the points are inliers, all samples fail once in 10¹¹
+constexpr int kSampleSteps = 5;  // of Gauss-Newton; motions from frame to frame are small
 constexpr int kRefineSteps = 4;
-constexpr double kNearestM = 1e-3;  // in front of the camera
+constexpr double kMinDepthM = 1e-3;  // smallest depth of a point that the camera can see
 constexpr double kChallenge = 1.1;
 
-// Draws from 64-bit numbers (Knuth's MMIX generator), which are the same everywhere.
+// Knuth's MMIX generator: the same numbers on every machine.
 using Draws =
     std::linear_congruential_engine<uint64_t, 6364136223846793005, 1442695040888963407, 0>;
 
-// A small motion: half the rotation vector as the vector part of a quaternion.
+// The motion of a rotation vector and a translation. To first order, half the rotation vector is
+// the vector part of its quaternion.
 Pose SmallMotion(const Vector6& step) {
   Pose motion;
   motion.rotation = Eigen::Quaterniond(1, step[0] / 2, step[1] / 2, step[2] / 2).normalized();
@@ -36,11 +37,11 @@ class Estimator {
     inliers_.reserve(points.size());
   }
 
-  // Squared distance in the image, px²; infinite behind the camera.
+  // Squared reprojection error, px²; infinite behind the camera.
   double ErrorOf(const SeenPoint& point, const Eigen::Matrix3d& rotation,
                  const Eigen::Vector3d& translation_m) const {
     const Eigen::Vector3d now = rotation * point.before_m + translation_m;
-    if (!(now.z() > kNearestM)) return HUGE_VAL;
+    if (!(now.z() > kMinDepthM)) return HUGE_VAL;
     const double u = pair_.focal_px * now.x() / now.z() + pair_.cx - point.after_px.x();
     const double v = pair_.focal_px * now.y() / now.z() + pair_.cy - point.after_px.y();
     return u * u + v * v;
@@ -64,7 +65,8 @@ class Estimator {
     return inliers_;
   }
 
-  // Gauss-Newton on the squared distances in the image. False where they do not fix a motion.
+  // Minimises the squared reprojection errors by Gauss-Newton. False where they do not fix a
+  // motion.
   bool Fit(std::span<const SeenPoint> points, int steps, Pose& motion) {
     for (int step = 0; step < steps; ++step) {
       Vector6 gradient = Vector6::Zero();
@@ -73,13 +75,14 @@ class Estimator {
       const Eigen::Matrix3d rotation = motion.rotation.toRotationMatrix();
       for (const SeenPoint& point : points) {
         const Eigen::Vector3d now = rotation * point.before_m + motion.translation_m;
-        if (!(now.z() > kNearestM)) return false;
+        if (!(now.z() > kMinDepthM)) return false;
         const double scale = pair_.focal_px / now.z();
         const double x = now.x() / now.z();
         const double y = now.y() / now.z();
         const double error[2] = {point.after_px.x() - (pair_.focal_px * x + pair_.cx),
                                  point.after_px.y() - (pair_.focal_px * y + pair_.cy)};
-        // Derivatives for a small motion after this one: of the rotation, of the translation.
+        // Derivatives of the projection for a small motion after this one: three of the rotation
+        // vector, three of the translation.
         const double f = pair_.focal_px;
         const double slopes[2][6] = {{-f * x * y, f * (1 + x * x), -f * y, scale, 0, -scale * x},
                                      {-f * (1 + y * y), f * x * y, f * x, 0, scale, -scale * y}};
@@ -95,15 +98,15 @@ class Estimator {
       const Eigen::LLT<Matrix6> factor(information_);
       if (factor.info() != Eigen::Success) return false;
       const Vector6 change = factor.solve(gradient);
-      // A turn of more than a radian from frame to frame is none of a camera.
+      // No camera turns by more than a radian from frame to frame.
       if (!(change.head<3>().squaredNorm() < 1) || !change.allFinite()) return false;
       motion = SmallMotion(change) * motion;
     }
     return true;
   }
 
-  // Covariance of the newest fit: the inverse of the information, times the squared error of a
-  // coordinate.
+  // Covariance of the newest fit: the inverse of the normal matrix times the mean squared error of
+  // a coordinate.
   Matrix6 Covariance(size_t points) const {
     const double freedom = std::max(1.0, 2 * static_cast<double>(points) - 6);
     return information_.inverse() * (squares_ / freedom);
@@ -126,7 +129,7 @@ MotionEstimate EstimateMotion(std::span<const SeenPoint> points, const Rectified
       .left_from_last = {}, .covariance = Matrix6::Zero(), .reset = MemoryReset::kFewPoints};
   if (static_cast<int>(points.size()) < rule.min_inliers) return estimate;
   Estimator estimator(points, pair, rule);
-  Pose best;  // standing still
+  Pose best;  // the first candidate: standing still
   int most = estimator.CountInliers(best);
   const auto challenge = [&](const Pose& motion) {
     const int inliers = estimator.CountInliers(motion);

@@ -8,15 +8,15 @@
 
 namespace sprout::temporal {
 
-/// A point of the scene that was seen in two images.
+/// A scene point that was seen in two successive images.
 struct SeenPoint {
   Eigen::Vector3d before_m;  ///< in the left camera's frame then
   Eigen::Vector2d after_px;  ///< in the left image now
 };
 
-/// What makes a motion one to believe.
+/// When a motion is believed.
 struct MotionRule {
-  double inlier_px = 1;  ///< largest distance of an inlier in the image
+  double inlier_px = 1;  ///< largest reprojection error of an inlier
   int min_inliers = 20;
   double min_inlier_share = 0.3;
 };
@@ -29,7 +29,7 @@ struct MotionEstimate {
   MemoryReset reset = MemoryReset::kNone;  ///< or why the motion is not known
 };
 
-/// The motion with which most points are seen where they are, (T2). Candidates are standing still,
+/// The motion that most points agree with, (T2). Candidates are standing still,
 /// going on as before, and 200 motions from three points each, drawn in a fixed order (Fischler and
 /// Bolles, CACM 1981). A later candidate must have 10 % more inliers than the best one before it:
 /// then a standing camera stands still, whatever moves in front of it. The winner is refined on its

@@ -14,7 +14,7 @@ namespace {
 constexpr float kUnknown = -1;
 constexpr int kBinsPerGrey = 8;
 
-// Share of a window's contrast that sampling between pixels explains.
+// Share of a window's standard deviation by which interpolated grey values may differ.
 constexpr float kSpreadShare = 0.15F;
 
 // Sums over the three rows of a window, of each column; one column more on either side.
@@ -62,7 +62,7 @@ void MeasureRow(const cv::Mat1b& grey, const cv::Mat1f& differences, int v, Colu
   }
 }
 
-// The median of the means that are known, or of none 0.
+// The median of the means that are known; 0 if none is.
 float MedianOf(const cv::Mat1f& means) {
   std::vector<int> bins(256 * kBinsPerGrey);
   int known = 0;
@@ -108,7 +108,7 @@ void PhotometricDoubt::Compute(const cv::Mat1b& grey, const cv::Mat1f& differenc
       MeasureRow(grey, differences, v, columns, means_[v], spreads_[v]);
     }
   });
-  // What all of the image shares is noise, or light that changed.
+  // The difference that the whole image shares is noise, or light that changed.
   const float usual = std::max(1.0F, MedianOf(means_));
   const float steps_per_grey = kSteps / doubt_grey_;
   ForRangesParallel(size.height, parts, [&](const cv::Range& rows) {

@@ -5,8 +5,8 @@
 
 namespace sprout::temporal {
 
-/// How much less the memory is to be believed where the new image does not show what it says: (T5)
-/// and (T6).
+/// By how much the memory's variance grows where the new image differs from the last one: (T5) and
+/// (T6).
 class PhotometricDoubt {
  public:
   /// @param doubt_grey  grey levels that let the variance grow e-fold.

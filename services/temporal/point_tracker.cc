@@ -15,11 +15,12 @@ constexpr int kCellColumns = 32;
 constexpr int kCellRows = 20;
 constexpr int kPointsPerPart = 16;
 
-// Least smaller eigenvalue: differences of two grey levels over 2 px, summed over 3×3 pixels.
+// Smallest eigenvalue that makes a corner: differences of two grey levels over 2 px, summed over
+// 3×3 pixels.
 constexpr float kMinCorner = 9 * 2 * 2;
 
-// Farthest from where it started that a point may be after tracking there and back: 1/2 px.
-constexpr int kFarthestBack = kPositionParts / 2;
+// Largest distance from its start of a point tracked there and back, parts of a pixel: 1/2 px.
+constexpr int kMaxRoundTripError = kPositionParts / 2;
 
 // Sums over 3×3 pixels of the products of grey value differences.
 struct StructureTensor {
@@ -147,8 +148,8 @@ std::vector<TrackedPoint> TrackCorners(const ImagePyramid& before, const ImagePy
       found[i] = Track(before, after, start);
       if (!found[i]) continue;
       const std::optional<Place> back = Track(after, before, *found[i]);
-      if (!back || std::abs(back->u - start.u) > kFarthestBack ||
-          std::abs(back->v - start.v) > kFarthestBack) {
+      if (!back || std::abs(back->u - start.u) > kMaxRoundTripError ||
+          std::abs(back->v - start.v) > kMaxRoundTripError) {
         found[i].reset();
       }
     }

@@ -8,7 +8,7 @@
 namespace sprout::temporal {
 namespace {
 
-std::string SizeComplaint(const Frame& frame) {
+std::string SizeProblem(const Frame& frame) {
   const cv::Size size = frame.rig->pair.size();
   const std::pair<const char*, cv::Size> parts[] = {{"LEFT", frame.left.size()},
                                                     {"DISPARITY", frame.disparity->size()},
@@ -22,8 +22,8 @@ std::string SizeComplaint(const Frame& frame) {
   return frame.confidence.channels() == 1 ? "" : "CONFIDENCE in colour: allowed is grey";
 }
 
-// A frame that cannot be used: a map like LEFT without a disparity, no motion.
-StageResult Refusal(const Frame& frame, std::string reason, int64_t resets) {
+// The answer to a frame that cannot be used: maps of LEFT's size without a disparity, no motion.
+StageResult Unusable(const Frame& frame, std::string reason, int64_t resets) {
   CameraMotion motion;
   motion.reset = MemoryReset::kOtherRig;
   motion.resets = resets;
@@ -34,7 +34,7 @@ StageResult Refusal(const Frame& frame, std::string reason, int64_t resets) {
           .degenerate = std::move(reason)};
 }
 
-// Why the memory was lost, for people.
+// Why the memory was lost, as people read it; empty if it was not, or for the first frame.
 std::string ReasonText(const CameraMotion& motion, TemporalConfig::Motion source) {
   const std::string points =
       std::to_string(motion.inliers) + " of " + std::to_string(motion.tracked) + " points";
@@ -66,10 +66,10 @@ std::string ReasonText(const CameraMotion& motion, TemporalConfig::Motion source
 }  // namespace
 
 StageResult TemporalAdapter::Process(const Frame& frame) {
-  if (std::string complaint = SizeComplaint(frame); !complaint.empty()) {
-    return Refusal(frame, std::move(complaint), filter_.resets());
+  if (std::string problem = SizeProblem(frame); !problem.empty()) {
+    return Unusable(frame, std::move(problem), filter_.resets());
   }
-  // The filter keeps the picture; what it was made of may be used again.
+  // A copy: the filter keeps it, and the caller may use the frame's pixels again.
   const cv::Mat& left = GreyestLeft(frame);
   cv::Mat1b grey;
   if (left.channels() == 1) {

@@ -14,8 +14,8 @@
 namespace sprout::temporal {
 namespace {
 
-// Points whose disparity is less sure than this, px², or nearer to that of infinity, px, say
-// nothing of the way.
+// Points with a larger variance, px², or a smaller ρ, px, say nothing about the translation, so
+// they are not used.
 constexpr float kMaxPointVariance = 1;
 constexpr double kMinPointRho = 0.5;
 
@@ -34,7 +34,7 @@ PixelMotion PixelMotionOf(const Pose& motion, const RectifiedPair& pair) {
   return result;
 }
 
-// Whether pixels can be moved by it: a pose of finite numbers may lead beyond those of float.
+// Whether pixels can be moved by it: a finite pose may exceed the range of float.
 bool IsUsable(const PixelMotion& motion) {
   const auto finite = [](float number) { return std::isfinite(number); };
   return std::ranges::all_of(motion.t, finite) &&
@@ -65,7 +65,7 @@ std::vector<SeenPoint> WithDepths(const std::vector<TrackedPoint>& points,
 
 // (T10): matching errs in the same way until the cameras see the scene from elsewhere.
 float SharedBy(const Pose& motion, double baseline_m) {
-  constexpr double kFrames = 5;  // that memory is of, as its gain is at least a fifth
+  constexpr double kFrames = 5;  // that the memory averages, as its gain is at least a fifth
   const double way = kFrames * motion.translation_m.norm() / baseline_m;
   return static_cast<float>(1 - std::min(way, 1.0) / 2);
 }
@@ -88,8 +88,7 @@ void TemporalFilter::Reset() {
   now_.known = false;
 }
 
-// Whether neither the image nor the map has changed by one grey level or count since the last call,
-// which was no reset.
+// Whether the image and the map are to the bit those of the last call, which was no reset.
 bool TemporalFilter::IsAsLast(const TemporalInput& input) const {
   const auto same = [](const cv::Mat& a, const cv::Mat& b) {
     if (a.size() != b.size()) return false;
@@ -121,13 +120,13 @@ MemoryReset TemporalFilter::ReasonToForget(const TemporalInput& input) const {
 TemporalOutput TemporalFilter::Compute(const TemporalInput& input) {
   assert(input.left.size() == input.pair.size() && input.disparity.size() == input.pair.size() &&
          input.confidence.size() == input.pair.size());
-  // The frame of the last call again: from what was known before it.
+  // The frame of the last call again is fused with what was known before it.
   const bool is_last = now_.known && now_.id == input.id;
   if (!is_last) {
     last_id_ = now_.id;
     if (!IsAsLast(input)) std::swap(before_, now_);
   }
-  now_.known = false;  // until all of it is there: memory may run out
+  now_.known = false;  // until it is complete, since memory may run out
   now_.id = input.id;
   now_.left = input.left;
   now_.measured = input.disparity.counts();
@@ -138,7 +137,7 @@ TemporalOutput TemporalFilter::Compute(const TemporalInput& input) {
   TemporalOutput output{.disparity = DisparityImage(cv::Mat1s(input.left.size())),
                         .confidence = cv::Mat1b(input.left.size()),
                         .motion = now_.motion};
-  // The memory is looked up between four neighbours, which images of one row or column have not.
+  // The memory is interpolated between four pixels, which images of one row or column do not have.
   const bool has_neighbours = std::min(input.left.rows, input.left.cols) > 1;
   const bool is_known = now_.motion.reset == MemoryReset::kNone && has_neighbours;
   is_known ? Fuse(input, output) : Begin(input, output);
@@ -233,7 +232,7 @@ void TemporalFilter::Fuse(const TemporalInput& input, TemporalOutput& output) {
                       .last_from_now = PixelMotionOf(now_.left_from_last.Inverse(), input.pair),
                       .offset_px = static_cast<float>(input.pair.cx_right - input.pair.cx),
                       .drift_px2 = drift_px * drift_px};
-  // Around them a border.
+  // The cells have a border of one.
   const cv::Size cells((input.left.cols + 1) / 2, (input.left.rows + 1) / 2);
   Renew(cells_, {cells.width + 2, cells.height + 2});
   Renew(differences_, cells);

@@ -133,7 +133,7 @@ bool MatchOnTarget(const View<uint8_t>& before, Place place, const View<uint8_t>
     // Slopes are differences over 2 px.
     const double u = 2 * kPositionParts * (vv * du - uv * dv) / determinant;
     const double v = 2 * kPositionParts * (uu * dv - uv * du) / determinant;
-    // A step longer than the window has left what it looks for.
+    // A step longer than the window ends the search: it has lost its object.
     if (!(std::abs(u) < kSide * kPositionParts && std::abs(v) < kSide * kPositionParts)) {
       return false;
     }
