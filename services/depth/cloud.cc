@@ -33,14 +33,14 @@ PointCloud CloudOf(const DisparityImage& disparity, const RectifiedPair& pair, c
   assert(left.size() == disparity.size() && disparity.size() == pair.size());
   assert(confidence.empty() || confidence.size() == disparity.size());
   // Farther points are left out: a float cannot hold their millimetres, nor an integer their voxel.
-  constexpr double kFarthestM = 1e6;
+  constexpr double kMaxDistanceM = 1e6;
   PointCloud cloud;
   VoxelFilter filter(thinning.voxel_m);
   for (int v = 0; v < disparity.height(); v += thinning.stride) {
     for (int u = 0; u < disparity.width(); u += thinning.stride) {
       if (!disparity.IsValid(u, v)) continue;
       const Eigen::Vector3d point = PointAt(pair, disparity, u, v);
-      if (!(point.z() > 0) || !(point.norm() < kFarthestM) || !filter.IsFirst(point)) continue;
+      if (!(point.z() > 0) || !(point.norm() < kMaxDistanceM) || !filter.IsFirst(point)) continue;
       if (cloud.points.size() == kMaxCloudPoints) return cloud;
       cloud.points.push_back(CloudPointOf(point, left, confidence, {u, v}));
     }

@@ -75,9 +75,9 @@ DepthOptions OptionsOf(const DepthConfig& config) {
   return options;
 }
 
-// Why a frame's calibration is not the rig file's, so that what depends on both would be wrong;
-// empty when it is.
-std::string RigComplaint(const DepthOptions& options, const RectifiedPair& pair) {
+// Names a calibration that is not the rig file's, so that results that need both would be wrong;
+// empty if it is.
+std::string RigProblem(const DepthOptions& options, const RectifiedPair& pair) {
   // Larger than the difference between rectifications of one file by two compilers.
   constexpr double kTolerance = 1e-6;
   if (!options.pair) return "";
@@ -96,7 +96,7 @@ std::string RigComplaint(const DepthOptions& options, const RectifiedPair& pair)
              : "RIG is not the calibration in depth.rig; allowed is the rig file that capture uses";
 }
 
-// The map that the configuration chooses.
+// The map that the configuration chooses, with its confidence.
 struct Input {
   Part part, confidence_part;
   const char* name;
@@ -112,7 +112,7 @@ const Input& InputOf(const DepthConfig& config) {
   return config.input() == DepthConfig::FUSED ? kFused : kSingle;
 }
 
-std::string SizeComplaint(const Frame& frame, const Input& input) {
+std::string SizeProblem(const Frame& frame, const Input& input) {
   const cv::Size size = (frame.*input.map)->size();
   const cv::Mat& confidence = frame.*input.confidence;
   const std::string name = input.name;
@@ -133,8 +133,10 @@ std::string SizeComplaint(const Frame& frame, const Input& input) {
   return "";
 }
 
-// Not a robot that sees nothing near, but a grow whose confidence is 0 to 1, or always 0.
-std::string UnsureText(const DepthCounts& counts, const cv::Mat& confidence, int min_confidence) {
+// Reports a map of which no pixel has min_confidence. The likely cause is not the scene, but a grow
+// whose confidence is 0 to 1, or always 0.
+std::string UnlikelyConfidenceText(const DepthCounts& counts, const cv::Mat& confidence,
+                                   int min_confidence) {
   if (counts.unsure == 0 || counts.unsure < counts.pixels) return "";
   double largest = 0;
   cv::minMaxLoc(confidence, nullptr, &largest);
@@ -170,10 +172,10 @@ StageResult DepthAdapter::Process(const Frame& frame) {
   StageResult result;
   if (frame.id.seq % config_.every() != 0) return result;
   const Input& input = InputOf(config_);
-  result.degenerate = SizeComplaint(frame, input);
+  result.degenerate = SizeProblem(frame, input);
   if (!result.degenerate.empty()) return result;
   const RectifiedPair& pair = frame.rig->pair;
-  result.degenerate = RigComplaint(options_, pair);
+  result.degenerate = RigProblem(options_, pair);
   const bool is_placed = result.degenerate.empty();
   if (is_placed && filter_.RegionIsOutside(pair.size())) {
     result.degenerate = "nothing is left: depth.region lies outside the image of " +
@@ -185,7 +187,8 @@ StageResult DepthAdapter::Process(const Frame& frame) {
     DepthCounts counts;
     seen.disparity = filter_.Apply(seen.disparity, pair, seen.confidence, counts);
     if (result.degenerate.empty()) {
-      result.degenerate = UnsureText(counts, seen.confidence, options_.filter.min_confidence);
+      result.degenerate =
+          UnlikelyConfidenceText(counts, seen.confidence, options_.filter.min_confidence);
     }
     result.outputs.push_back({Part::kDepthCounts, counts});
   }

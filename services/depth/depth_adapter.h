@@ -36,7 +36,7 @@ class DepthAdapter : public StageAdapter {
   StageResult Process(const Frame& frame) override;
 
  private:
-  // What is left of the map, and what belongs to it.
+  // The filtered map, with the other parts of its frame.
   struct Seen {
     DisparityImage disparity;
     const RectifiedPair& pair;
@@ -49,7 +49,7 @@ class DepthAdapter : public StageAdapter {
   void AddDepths(const Seen& seen, StageResult& result) const;
   // @param is_placed  whether the rig file is of this calibration.
   void AddClouds(const Seen& seen, bool is_placed, StageResult& result) const;
-  // What needs the rig file.
+  // Adds the results that need the rig file's places: those of the target camera, and the scan.
   void AddOfOtherPlaces(const Seen& seen, StageResult& result) const;
 
   DepthConfig config_;

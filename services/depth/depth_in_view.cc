@@ -17,8 +17,8 @@ namespace {
 // Disparities of one surface, in counts: the error up to which a disparity counts as right.
 constexpr float kSurfaceCounts = DisparityImage::kCountsPerPixel;
 
-// Most pixels of the view along a side of what one pixel of the map fills. A view 16 times finer
-// than the map is closed; a point right in front of the camera does not take the time of an image.
+// Longest side of the area that one pixel of the map fills, px of the view. Views up to 16 times
+// finer than the map get no holes, and a point right in front of the camera takes little time.
 constexpr float kMaxSidePx = 16;
 
 // Value of an empty pixel. Pixels hold depth − 1 in counts, so that the nearest is the smallest,
@@ -128,7 +128,7 @@ class BandMapper {
     }
   }
 
-  // Whole numbers from 0 to `last` that are at most `half` away.
+  // Whole numbers from 0 to `last` that are at most `half` from `middle`.
   static cv::Range Within(float middle, float half, float last) {
     if (!(middle + half >= 0 && middle - half <= last)) return {0, 0};  // or not a number
     return {static_cast<int>(std::ceil(std::max(middle - half, 0.0F))),

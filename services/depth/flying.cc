@@ -9,9 +9,9 @@ namespace {
 // Chosen on maps with truth (NOTES.md). Slants up to 2 kSame / (kSupport · (2 kReachPx + 1)) stay.
 constexpr int kReachPx = 6;                             // how far a surface is at most
 constexpr int kStep = DisparityImage::kCountsPerPixel;  // how much nearer or farther it is at least
-constexpr int kSame = DisparityImage::kCountsPerPixel;  // up to which pixels are of one surface
-// Largest share of the pixels around that belong to its surface: a ramp from one surface to another
-// has few, a slanted surface many.
+constexpr int kSame = DisparityImage::kCountsPerPixel;  // largest difference on a surface
+// A flying pixel has at most this share of the pixels around on its surface: a ramp from one
+// surface to another has few, a slanted surface many.
 constexpr double kSupport = 0.2;
 
 constexpr int16_t kNoMinimum = std::numeric_limits<int16_t>::max();

@@ -62,16 +62,16 @@ class PixelRules {
   const cv::Mat1b& flying_;
 };
 
-// OpenCV takes time with the square of the corners: of 20,000 it took 40 s.
+// OpenCV's time grows with the square of the corners: 20,000 took 40 s.
 constexpr int kMaxCorners = 1000;
-constexpr int kFarthestCorner = 32767;  // px; OpenCV draws with 16 bits before the point
+constexpr int kMaxCornerPx = 32767;  // px; OpenCV draws with 16 bits before the point
 
 std::vector<cv::Point> RegionOf(const DepthConfig& config) {
   const auto& numbers = config.region();
   for (const int number : numbers) {
-    if (std::abs(number) <= kFarthestCorner) continue;
+    if (std::abs(number) <= kMaxCornerPx) continue;
     throw ConfigError("depth.region: " + std::to_string(number) + "; allowed: −" +
-                      std::to_string(kFarthestCorner) + " to " + std::to_string(kFarthestCorner));
+                      std::to_string(kMaxCornerPx) + " to " + std::to_string(kMaxCornerPx));
   }
   if (numbers.size() % 2 != 0 || numbers.size() == 2) {
     throw ConfigError("depth.region: " + std::to_string(numbers.size()) +

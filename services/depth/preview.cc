@@ -14,7 +14,7 @@ cv::Size Shrunk(cv::Size size, int factor) {
   return {std::max(1, size.width / factor), std::max(1, size.height / factor)};
 }
 
-// What fills no block is left out, so that all blocks are of whole pixels.
+// Rows and columns that do not fill a block are left out, so that blocks have whole pixels.
 cv::Mat ShrinkImage(const cv::Mat& image, int factor) {
   const cv::Size size = Shrunk(image.size(), factor);
   const cv::Size used(std::min(image.cols, factor * size.width),
@@ -24,7 +24,7 @@ cv::Mat ShrinkImage(const cv::Mat& image, int factor) {
   return small;
 }
 
-// Means would make up disparities between two surfaces.
+// Takes the middle of each block: a mean would be a disparity between two surfaces.
 DisparityImage ShrinkMap(const DisparityImage& map, int factor) {
   DisparityImage small(Shrunk(map.size(), factor));
   for (int v = 0; v < small.height(); ++v) {

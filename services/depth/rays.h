@@ -31,7 +31,7 @@ struct Rays {
   Eigen::Vector3d per_v;
 };
 
-/// Index in a TableOf() disparities.
+/// Index of a disparity in the result of TableOf().
 inline size_t IndexOf(int16_t counts) {
   return static_cast<size_t>(counts - int{DisparityImage::kInvalid});
 }
@@ -53,9 +53,9 @@ class DepthOfCounts {
  public:
   explicit DepthOfCounts(const RectifiedPair& pair)
       : depth_m_(TableOf<float>([&](double disparity_px) {
-          constexpr double kFarthestM = 1e6;
+          constexpr double kMaxDepthM = 1e6;
           const double z = pair.DepthFromDisparity(disparity_px);
-          return z > 0 && z < kFarthestM ? static_cast<float>(z) : 0.0F;
+          return z > 0 && z < kMaxDepthM ? static_cast<float>(z) : 0.0F;
         })) {}
 
   float operator()(int16_t counts) const { return depth_m_[IndexOf(counts)]; }

@@ -17,7 +17,8 @@ namespace sprout::depth {
 namespace HWY_NAMESPACE {
 
 constexpr float kInvalidCounts = DisparityImage::kInvalid;
-// Instead of 0 and less, where no depth is; more than 1000 km from there on for any camera.
+// Replaces counts of 0 and less, which have no depth: the division stays finite. For any camera it
+// is farther than 1000 km.
 constexpr float kMinCounts = 1e-6F;
 
 HWY_INLINE float Least(float a, float b) { return a < b ? a : b; }
@@ -31,7 +32,7 @@ void ProjectOnTarget(const RowProjection& p, const int16_t* HWY_RESTRICT counts,
   float* HWY_RESTRICT z = row.z.data();
   float* HWY_RESTRICT left = row.left_z.data();
   float* HWY_RESTRICT disparity = row.counts.data();
-  // In registers: the compiler cannot know that they are not among what is written.
+  // Copied to registers, since the compiler cannot know that the writes below do not change them.
   const auto [x0, y0, z0] = p.origin;
   const auto [start_x, start_y, start_z] = p.start;
   const auto [per_u_x, per_u_y, per_u_z] = p.per_u;
@@ -69,7 +70,7 @@ void ProjectOnTarget(const RowProjection& p, const int16_t* HWY_RESTRICT counts,
   }
 }
 
-// Pairs of pixels of two rows. On the stack, where the compiler sees that nothing else is.
+// Pairs of pixels of two rows. On the stack, so that the compiler knows that nothing aliases it.
 struct Block {
   static constexpr int kSize = 256;
 
@@ -93,7 +94,7 @@ HWY_INLINE void Bound(const ProjectedRow& upper, const ProjectedRow& lower, int 
   most(upper.most_y, lower.most_y, block.bottom);
 }
 
-// Comparisons are false for what is not a number.
+// NaN spans no surface, as comparisons with it are false.
 HWY_INLINE void FindSurfaces(const ProjectedRow& upper, const ProjectedRow& lower,
                              const SpanRule& rule, int first, int count, Block& block) {
   const float* const least_above = upper.least_counts.data() + first;
@@ -116,7 +117,8 @@ HWY_INLINE void FindSurfaces(const ProjectedRow& upper, const ProjectedRow& lowe
   const float* const x_below = lower.x.data() + first;
   const float* const y_below = lower.y.data() + first;
   for (int i = 0; i < count; ++i) {
-    // The diagonals, from the upper left and from the upper right: to the right is downwards.
+    // Cross product of the diagonals from the upper left and the upper right corner: positive
+    // unless the view sees the surface from behind.
     const float area = (x_below[i + 1] - x_above[i]) * (y_below[i] - y_above[i + 1]) -
                        (y_below[i + 1] - y_above[i]) * (x_below[i] - x_above[i + 1]);
     block.back[i] = block.surface[i] & (area > 0 ? 0 : 1);
@@ -132,8 +134,8 @@ HWY_INLINE void FindSurfaces(const ProjectedRow& upper, const ProjectedRow& lowe
   }
 }
 
-// The whole numbers from `low` to `high`, both included, of those from 0 to `last`; none where
-// there is no depth. Conversion cuts off, which is rounding down for what is not negative.
+// The whole numbers from `low` to `high`, both included and clamped to 0 … `last`; none where there
+// is no depth. The conversion to int rounds down, as nothing is negative.
 HWY_INLINE void WholeNumbers(const float* HWY_RESTRICT low, const float* HWY_RESTRICT high,
                              const float* HWY_RESTRICT depth, float last, int count,
                              int32_t* HWY_RESTRICT begin, int32_t* HWY_RESTRICT end) {

@@ -16,8 +16,8 @@ struct RowProjection {
   float shift;             ///< counts
 };
 
-/// Pixels of a row of the map, in the view; and of each pixel and the next one the smallest and the
-/// largest numbers.
+/// Pixels of a row of the map, projected into the view, and the smallest and largest values of each
+/// pixel and the next one.
 struct ProjectedRow {
   explicit ProjectedRow(size_t width);
 
@@ -28,7 +28,7 @@ struct ProjectedRow {
   std::vector<float> least_x, most_x, least_y, most_y, least_z, sum_z, least_counts, most_counts;
 };
 
-/// What spans a surface, and what it fills.
+/// Which pixels span a surface, and which pixels of the view it may fill.
 struct SpanRule {
   float surface_counts;  ///< largest difference of disparities
   float side_px;         ///< longest side in the view
