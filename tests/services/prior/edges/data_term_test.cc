@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <string>
 
@@ -170,7 +171,7 @@ EdgeLabels LabelsEverywhere(cv::Size size) {
           cv::Mat1i(size, 0)};
 }
 
-TEST(DataTerm, IsTheSameWithEveryInstructionSet) {
+TEST(DataTerm, FollowsItsFormulaWithEveryInstructionSet) {
   std::mt19937 random(4);
   const auto number = [&](double scale) {
     return static_cast<float>(scale * (static_cast<double>(random() % 65536) / 65536 - 0.5));
@@ -183,34 +184,34 @@ TEST(DataTerm, IsTheSameWithEveryInstructionSet) {
       seeds.per_column[i] = number(9), seeds.per_row[i] = number(9);
       seeds.blue[i] = number(255), seeds.green[i] = number(255), seeds.red[i] = number(255);
     }
-    // Beside the border, where only colour_term count.
+    // Beside the border, where only the colours count.
     EdgeImages images;
     images.left_bgr = cv::Mat3b(cv::Size(9, 9), cv::Vec3b(30, 20, 10));
     images.left_grey = images.right_grey = cv::Mat1b(cv::Size(9, 9), uint8_t{1});
     images.left_census = images.right_census = images.left_grey;
     const LabelledPixel pixel{.u = 1, .v = 2, .near = 45, .far = -35};
-    const DataTermScales scales(Weights(1, 2));
-    const float middle = 5, half_gap = 40;
-    // Eq. (P7), added up by fours.
-    float support[4] = {}, near_support[4] = {};
+    const PriorConfig config = Weights(1, 2);
+    // Eq. (P7); the labels are 5 ± 40 counts.
+    double support = 0, all = 0.01;
     for (size_t i = 0; i < count; ++i) {
-      const float above = seeds.counts[i] +
-                          seeds.per_column[i] * (static_cast<float>(pixel.u) - seeds.u[i]) +
-                          seeds.per_row[i] * (static_cast<float>(pixel.v) - seeds.v[i]) - middle;
-      const float difference = std::abs(30 - seeds.blue[i]) + std::abs(20 - seeds.green[i]) +
-                               std::abs(10 - seeds.red[i]);
-      const auto square = [](float x) { return x * x; };
-      const float miss = (std::abs(above) - half_gap) * scales.per_miss;
-      const float weight =
-          1 / ((1 + square(miss)) * square(1 + square(difference * scales.per_range)));
-      support[i % 4] += weight;
-      near_support[i % 4] += std::copysign(weight, above);
+      const double plane = double{seeds.counts[i]} +
+                           double{seeds.per_column[i]} * (1 - double{seeds.u[i]}) +
+                           double{seeds.per_row[i]} * (2 - double{seeds.v[i]});
+      const double colours = std::abs(30 - double{seeds.blue[i]}) +
+                             std::abs(20 - double{seeds.green[i]}) +
+                             std::abs(10 - double{seeds.red[i]});
+      const double miss = std::min(std::abs(plane - pixel.near), std::abs(plane - pixel.far));
+      const double weight = std::pow(1 + std::pow(colours / config.colour_range(), 2), -2) /
+                            (1 + std::pow(miss / (kOnePx * config.edge_px()), 2));
+      support += plane > 5 ? weight : -weight;
+      all += weight;
     }
-    const auto sum = [](const float* x) { return x[0] + x[1] + x[2] + x[3]; };
-    const double expected = double{sum(near_support)} / (0.01F + sum(support));
+    std::optional<double> first;
     ForEachInstructionSet([&](const std::string& name) {
-      EXPECT_EQ(FarMinusNear(images, seeds, scales, pixel), 2 * expected)
-          << name << ", " << count << " seeds";
+      const double term = FarMinusNear(images, seeds, DataTermScales(config), pixel);
+      if (!first) first = term;
+      EXPECT_EQ(term, *first) << name << ", " << count << " seeds";
+      EXPECT_NEAR(term, 2 * support / all, 1e-5) << name << ", " << count << " seeds";
     });
   }
 }
