@@ -201,6 +201,14 @@ TEST(Interpolation, SaysWhyThereIsNone) {
   EXPECT_THAT(done.error().text, testing::HasSubstr("cover no pixel"));
 }
 
+TEST(Interpolation, KeepsToTheRangeOfDisparities) {
+  for (const double px : {-3.0, 2000.0}) {
+    const PriorMap map =
+        InterpolateOnly({MeshSeed(0, 0, px), MeshSeed(9, 0, px), MeshSeed(0, 9, px)}, {9, 9});
+    EXPECT_EQ(map.disparity.Px(2, 2), px < 0 ? 0 : DisparityImage::kMaxPx);
+  }
+}
+
 TEST(Interpolation, SurvivesSeedsOutsideTheImage) {
   const PriorMap map = InterpolateOnly(
       {MeshSeed(-500, -500, 3), MeshSeed(5000, -100, 3), MeshSeed(100, 9000, 3)}, {64, 48});
