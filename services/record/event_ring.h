@@ -58,10 +58,10 @@ class EventRing {
 /// An entry that waits to be written.
 struct QueuedEvent {
   enum class Kind {
-    kMessage,    ///< to be recorded
-    kOwnStatus,  ///< to be recorded, but does not begin a log
-    kLookAt,     ///< not to be recorded; may be a trigger
-    kTrigger,    ///< no message: a trigger from outside
+    kMessage,      ///< to be recorded
+    kOwnStatus,    ///< to be recorded, but does not begin a log
+    kTriggerOnly,  ///< not to be recorded; may be a trigger
+    kTrigger,      ///< no message: a trigger from outside
   };
   Kind kind = Kind::kMessage;
   RecordedEvent event;

@@ -41,8 +41,8 @@ namespace fs = std::filesystem;
 constexpr std::string_view kNameBegin = "record_";
 constexpr std::string_view kNameEnd = ".lcm";
 
-/// Bytes of all files in a folder and below it. Others may delete meanwhile, and keep folders to
-/// themselves: what cannot be read below it does not count.
+/// Bytes of all files in a folder and below it. What cannot be read below it, as when it is deleted
+/// meanwhile, does not count.
 int64_t BytesIn(const fs::path& folder, bool is_below = false) {
   int64_t bytes = 0;
   std::error_code error;
@@ -58,8 +58,7 @@ int64_t BytesIn(const fs::path& folder, bool is_below = false) {
   return bytes;
 }
 
-// Numbers go on from below this: a name with more is somebody's joke, and counting on from it would
-// soon end.
+// Files with larger numbers are ignored: counting on from them could overflow.
 constexpr int64_t kMaxNumber = 1'000'000'000'000'000;
 
 struct OwnLog {
@@ -90,13 +89,13 @@ int Lock(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   const int descriptor = error ? -1 : open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  // Rather now than at the first message, when nobody looks any more.
+  // Checked at the start, while the user is still looking, not at the first message.
   if (descriptor < 0 || faccessat(descriptor, ".", W_OK | X_OK, AT_EACCESS) != 0) {
     if (!error) error = std::error_code(errno, std::generic_category());
     if (descriptor >= 0) close(descriptor);
     throw Unusable(folder, "cannot be used (" + error.message() + ")");
   }
-  // Some network file systems have no locks; two recorders there are the user's care.
+  // Some network file systems have no locks, so other errors are ignored.
   if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     close(descriptor);
     throw Unusable(folder, "another process records there");
@@ -138,7 +137,7 @@ void RecordingFile::Write(const RecordedEvent& event) {
   int error = WriteAll(descriptor_, head);
   if (error == 0) error = WriteAll(descriptor_, event.data);
   if (error != 0) {
-    // Where even this fails, the log has a torn tail, which every reader of ours passes over.
+    // If this fails, too, the log ends inside an event, which Sprout's readers skip.
     if (ftruncate(descriptor_, bytes_) == 0) lseek(descriptor_, bytes_, SEEK_SET);
     Fail(error);
   }
@@ -168,9 +167,9 @@ std::optional<int64_t> RecordingNumber(const fs::path& path) {
   return ParseNumber<int64_t>(rest.substr(0, rest.find('_')));
 }
 
-LogFolder::LogFolder(LogFolderOptions options, LastWords last_words)
+LogFolder::LogFolder(LogFolderOptions options, LastEvent last_event)
     : options_(std::move(options)),
-      last_words_(std::move(last_words)),
+      last_event_(std::move(last_event)),
       lock_(Lock(options_.folder)) {
   for (const OwnLog& log : OwnLogs(options_.folder)) {
     if (log.number < kMaxNumber) next_number_ = log.number + 1;
@@ -210,7 +209,7 @@ void LogFolder::Close() {
   if (!file_) return;
   std::string failure;
   try {
-    Append(last_words_());
+    Append(last_event_());
   } catch (const LogError& error) {
     failure = error.what();
   }
@@ -219,7 +218,7 @@ void LogFolder::Close() {
   if (!failure.empty()) throw LogError(file->path(), "has no last status: " + failure);
 }
 
-// The last words may exceed the quota, by less than 2 kB.
+// The last event may exceed the quota, by less than 2 kB.
 void LogFolder::MakeRoom(int64_t bytes) {
   if (held_bytes_ + bytes <= options_.quota_bytes) return;
   held_bytes_ = BytesIn(options_.folder);  // somebody may have made room

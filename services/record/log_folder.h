@@ -61,12 +61,12 @@ struct LogFolderOptions {
 /// one, so they order the recordings even if the clock was wrong. Not thread-safe.
 class LogFolder {
  public:
-  using LastWords = std::function<RecordedEvent()>;
+  using LastEvent = std::function<RecordedEvent()>;
 
   /// Creates the folder if missing, and locks it for the life of this object.
-  /// @param last_words  gives the last event of every log: the losses so far.
+  /// @param last_event  gives the last event of every log: the losses so far.
   /// @throws ConfigError when the folder is not writable, or another process records there.
-  LogFolder(LogFolderOptions options, LastWords last_words);
+  LogFolder(LogFolderOptions options, LastEvent last_event);
   ~LogFolder();
   LogFolder(const LogFolder&) = delete;
   LogFolder& operator=(const LogFolder&) = delete;
@@ -76,7 +76,7 @@ class LogFolder {
   ///         intact up to the previous event.
   void Write(const RecordedEvent& event);
 
-  /// Ends the open log, if there is one, with the last words.
+  /// Ends the open log, if there is one, with the last event.
   /// @throws LogError; the log is closed then, too.
   void Close();
 
@@ -99,10 +99,10 @@ class LogFolder {
   bool DeleteOldest();
 
   LogFolderOptions options_;
-  LastWords last_words_;
+  LastEvent last_event_;
   int lock_;
   int64_t next_number_ = 1;
-  int64_t held_bytes_ = 0;  // by the folder; looked up with each new log
+  int64_t held_bytes_ = 0;  // in the folder, measured with each new log
   std::unique_ptr<RecordingFile> file_;
   int64_t files_ = 0;
   int64_t events_ = 0;

@@ -56,8 +56,7 @@ RecordedEvent::Clock::duration Seconds(double seconds) {
 
 void RequireChannel(const std::string& flag, const std::string& channel) {
   constexpr char kAllowed[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
-  // With the longest prefix the channel's name may still be too long for LCM; then no message can
-  // come on it.
+  // A name may still be too long for LCM with the prefix before it. No message comes on that.
   if (!channel.empty() && channel.size() <= 63 &&
       channel.find_first_not_of(kAllowed) == std::string::npos) {
     return;
@@ -68,7 +67,7 @@ void RequireChannel(const std::string& flag, const std::string& channel) {
 
 RecordingOptions OptionsOf(const Options& options) {
   RecordingOptions recording;
-  // One that is named twice is one, as when a script's names and the user's are given.
+  // A set, since a channel may be named twice: by a script and by its user.
   const std::set<std::string> names(options.channels.begin(), options.channels.end());
   recording.channels.assign(names.begin(), names.end());
   recording.named = !options.channels.empty();
@@ -98,7 +97,7 @@ RecordingOptions OptionsOf(const Options& options) {
   return recording;
 }
 
-// SIGUSR1, which is blocked in every thread, within 0.1 s.
+// Waits up to 0.1 s for SIGUSR1, which is blocked in every thread.
 bool WaitForTrigger() {
   sigset_t signals;
   sigemptyset(&signals);
@@ -107,15 +106,17 @@ bool WaitForTrigger() {
   return sigtimedwait(&signals, nullptr, &kPoll) == SIGUSR1;
 }
 
+// Stops the timer that ends a process some time after a signal: writing what waits may take longer.
 // A second signal still ends the process at once.
-void TakeTimeToFinish(const Recording& recording) {
+void StopKillTimer(const Recording& recording) {
   constexpr itimerval kNever{};
   setitimer(ITIMER_REAL, &kNever, nullptr);
   const double waiting_mb = static_cast<double>(recording.waiting_bytes()) / 1e6;
   if (waiting_mb > 1) LogLine(LogLevel::kInfo, "writing the {:.0f} MB that wait", waiting_mb);
 }
 
-// A folder that cannot be written from the start is a flag that cannot be used.
+// @throws ConfigError, not LogError, for a folder that cannot be written from the start: --dir is
+//         wrong then.
 std::unique_ptr<Recording> Begin(const ServiceContext& context, const RecordingOptions& options,
                                  StageMonitor& monitor) {
   try {
@@ -143,8 +144,8 @@ int Record(const ServiceContext& context, const RecordingOptions& options,
       recording.PutStatus();
       next_status += std::chrono::seconds(1);
     }
-    // A stop may also come while it finishes.
-    const std::stop_callback more_time(context.stop, [&] { TakeTimeToFinish(recording); });
+    // The stop may come before Finish() or during it.
+    const std::stop_callback more_time(context.stop, [&] { StopKillTimer(recording); });
     recording.Finish();
   }
   const bool whole = recording.IsWhole();

@@ -17,13 +17,14 @@ namespace {
 
 constexpr size_t kMaxQueuedBytes = size_t{1} << 29;
 
-// Frames without a confidence until that is told.
+// Frames without a confidence until a warning.
 constexpr int64_t kMaxUnjudged = 30;
 constexpr char kUnjudgedText[] =
     "--trigger-confidence cannot trigger: frames come, and no SPROUT_CONFIDENCE, which grow sends "
     "with grow { publish_confidence: true }, not in preset fast";
 
-// The first one that every frame has; RIG comes once a second.
+// The part whose messages are counted as frames: the first of the channels that every frame has.
+// RIG comes once a second.
 std::optional<Part> CountedPart(const std::vector<std::string>& channels) {
   for (const PartRow& row : kPartTable) {
     if (row.part != Part::kRig && std::ranges::find(channels, row.channel) != channels.end()) {
@@ -43,7 +44,7 @@ std::vector<std::string_view> Subscriptions(const RecordingOptions& options) {
   return channels;
 }
 
-// Whose silence is told: whoever names channels wants each of them.
+// Channels whose silence is warned of: each of them if they were named, else LEFT.
 std::vector<std::string_view> Awaited(const RecordingOptions& options) {
   if (!options.named) return {ChannelOf(Part::kLeft)};
   return {options.channels.begin(), options.channels.end()};
@@ -64,7 +65,7 @@ void Recorder::Add(RecordedEvent event) {
   }
   if (until_ && event.arrived <= *until_) {
     ++unwritten_;
-    WriteMissing();  // a trigger and messages may change places by µs
+    WriteMissing();  // a message may have come µs before the trigger that is handled first
     Write(event);
     ring_->Add(std::move(event));
   } else {
@@ -89,7 +90,7 @@ bool Recorder::Trigger(Time now) {
   return begins;
 }
 
-// Of an event that is counted as unwritten.
+// Writes an event that is counted as unwritten so far.
 void Recorder::Write(const RecordedEvent& event) {
   folder_.Write(event);
   --unwritten_;
@@ -136,8 +137,8 @@ RecordedEvent Recording::StatusEvent() const {
   return MakeEvent(std::string(kStatusChannel), EncodeStatus(monitor_.Snapshot()));
 }
 
-// Its status is put into the log when it is made: on the bus it could be lost. What it says of
-// itself tells nothing about the graph.
+// Whether a message is the recorder's own. Its statuses are put into the log when they are made,
+// since they could be lost on the bus; its SPROUT_PROCESS says nothing about the graph.
 bool Recording::IsOwn(std::string_view channel, std::span<const uint8_t> bytes) const {
   const StageStatus own = monitor_.Snapshot();
   const auto is_own = [&own](const auto& said) {
@@ -160,7 +161,7 @@ void Recording::Receive(std::string_view channel, std::span<const uint8_t> bytes
     monitor_.Resolve(kUnjudgedText);
   }
   if (record || channel == ChannelOf(Part::kConfidence)) {
-    const auto kind = record ? QueuedEvent::Kind::kMessage : QueuedEvent::Kind::kLookAt;
+    const auto kind = record ? QueuedEvent::Kind::kMessage : QueuedEvent::Kind::kTriggerOnly;
     if (!queue_.Put({.kind = kind, .event = MakeEvent(std::string(channel), bytes)})) {
       Drop(channel);
     }
@@ -170,7 +171,7 @@ void Recording::Receive(std::string_view channel, std::span<const uint8_t> bytes
   Drop(channel);
 }
 
-// A misspelt channel is told while it can still be mended, not at the end.
+// Lets silent channels be warned of at once: a misspelt name can then still be corrected.
 void Recording::Hear(std::string_view channel) {
   if (!heard_.contains(channel)) heard_.emplace(channel);
   options_.named ? silence_->HeardSingle(channel) : silence_->HeardFrame();
@@ -184,7 +185,7 @@ void Recording::Drop(std::string_view channel) {
 void Recording::CountFrame(Part part, std::span<const uint8_t> bytes) {
   if (part == Part::kRig) return;
   const Result<FrameId> id = DecodeFrameId(bytes);
-  if (!id) return;  // recorded as it is; whoever replays it will refuse it
+  if (!id) return;  // recorded as it is; stages refuse it in a replay
   FrameId counted = *id;
   if (IsOfDepth(part)) counted.seq /= depth_every_;
   gaps_[part].Add(counted);
@@ -229,7 +230,7 @@ void Recording::WriteAll() {
 
 void Recording::Handle(QueuedEvent item) {
   if (item.kind == QueuedEvent::Kind::kTrigger) {
-    return PullTrigger(item.event.arrived, item.trigger);
+    return HandleTrigger(item.event.arrived, item.trigger);
   }
   if (item.kind == QueuedEvent::Kind::kOwnStatus) {
     folder_.RequireThere();
@@ -237,7 +238,7 @@ void Recording::Handle(QueuedEvent item) {
   }
   if (options_.trigger_confidence &&
       item.event.channel == prefix_ + std::string(ChannelOf(Part::kConfidence))) {
-    LookAtConfidence(item.event);
+    CheckConfidence(item.event);
   }
   if (item.kind != QueuedEvent::Kind::kMessage) return;
   if (compressor_) Compress(item.event);
@@ -252,12 +253,12 @@ void Recording::Compress(RecordedEvent& event) {
   event.data = *std::move(smaller);
 }
 
-void Recording::PullTrigger(RecordedEvent::Clock::time_point now, const std::string& who) {
+void Recording::HandleTrigger(RecordedEvent::Clock::time_point now, const std::string& who) {
   if (!options_.ring)
     return LogLine(LogLevel::kInfo, "trigger ({}): without --ring all is written anyway", who);
   ++triggers_;
   const int64_t before = folder_.events();
-  if (!recorder_.Trigger(now)) {  // which may happen with every message
+  if (!recorder_.Trigger(now)) {  // may happen with every message, so no warning is printed
     LogLine(LogLevel::kDebug, "trigger ({}): the log continues", who);
     return monitor_.RecordWarning(fmt::format("trigger ({}): the log continues", who));
   }
@@ -268,20 +269,20 @@ void Recording::PullTrigger(RecordedEvent::Clock::time_point now, const std::str
                             folder_.events() - before, held_s));
 }
 
-void Recording::LookAtConfidence(const RecordedEvent& event) {
+void Recording::CheckConfidence(const RecordedEvent& event) {
   const Result<DecodedPart> decoded = DecodePart(Part::kConfidence, event.data);
   if (!decoded) return monitor_.BadMessage(event.channel, decoded.error().text);
   const auto& image = std::get<cv::Mat>(decoded->value);
   const double mean = cv::mean(image)[0] / 255;
   if (mean >= *options_.trigger_confidence) return;
-  PullTrigger(event.arrived,
-              fmt::format("frame {}: mean confidence {:.3f}", decoded->id.seq, mean));
+  HandleTrigger(event.arrived,
+                fmt::format("frame {}: mean confidence {:.3f}", decoded->id.seq, mean));
 }
 
 void Recording::Fail(const std::string& reason) {
   monitor_.Failure(reason);
   try {
-    recorder_.Finish();  // a status of 500 bytes often fits where an image did not
+    recorder_.Finish();  // on a full disk a status of 500 bytes often fits where an image did not
   } catch (const std::exception&) {
     LogLine(LogLevel::kDebug, "the log has no last status");
   }
@@ -294,7 +295,7 @@ void Recording::Finish() {
   queue_.Close();
   writing_.join();
   unwritten_ = static_cast<int64_t>(queue_.size());
-  // At least the message that it failed at, which may not have come as far as the recorder.
+  // At least one: the message at which it failed may not have reached the recorder.
   if (failed_) unwritten_ += std::max<int64_t>(recorder_.unwritten(), 1);
   if (heard_.empty() && !failed_) {
     monitor_.Warn("nothing came; is the graph running with this --lcm-url and --channel-prefix?");

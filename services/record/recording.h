@@ -76,7 +76,7 @@ class Recorder {
 
 struct RecordingOptions {
   std::vector<std::string> channels;  ///< without prefix
-  bool named = false;                 ///< whether somebody asked for these channels
+  bool named = false;                 ///< whether --channels named these
   LogFolderOptions folder;
   std::optional<RingOptions> ring;
   std::optional<std::string> trigger_channel;  ///< without prefix; any message on it
@@ -130,8 +130,8 @@ class Recording {
   void CountFrame(Part part, std::span<const uint8_t> bytes);
   void WriteAll();
   void Handle(QueuedEvent item);
-  void PullTrigger(RecordedEvent::Clock::time_point now, const std::string& who);
-  void LookAtConfidence(const RecordedEvent& event);
+  void HandleTrigger(RecordedEvent::Clock::time_point now, const std::string& who);
+  void CheckConfidence(const RecordedEvent& event);
   void Compress(RecordedEvent& event);
   void Fail(const std::string& reason);
 
@@ -144,10 +144,10 @@ class Recording {
   std::set<std::string, std::less<>> heard_;  // recorded channels with messages; of that thread
   int64_t unjudged_ = 0;                      // frames since the newest confidence; of that thread
   std::atomic<int64_t> dropped_ = 0;          // messages that did not fit into the queue
-  int64_t triggers_ = 0;                      // of the writing thread, as all below
+  int64_t triggers_ = 0;                      // used by the writing thread, as all below
   int64_t unwritten_ = 0;                     // messages lost since writing failed
   std::optional<MessageCompressor> compressor_;
-  int64_t uncompressed_bytes_ = 0;  // of the messages that it made smaller
+  int64_t uncompressed_bytes_ = 0;  // of the messages that were compressed
   int64_t compressed_bytes_ = 0;
   std::atomic<bool> failed_ = false;
   EventQueue queue_;

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 
 constexpr int64_t kPlenty = 1'000'000'000;
 
-RecordedEvent LastWords() { return MakeRecorded(99, 10, "STATUS"); }
+RecordedEvent LastEvent() { return MakeRecorded(99, 10, "STATUS"); }
 
 std::vector<fs::path> Logs(const fs::path& folder) {
   std::vector<fs::path> logs;
@@ -54,7 +54,7 @@ TEST_F(LogFolderTest, NamesItsLogs) {
 
 TEST_F(LogFolderTest, BeginsTheNextLogWhenOneIsFull) {
   LogFolder logs({.folder = folder_ / "new/logs", .max_file_bytes = 1000, .quota_bytes = kPlenty},
-                 LastWords);
+                 LastEvent);
   for (int i = 0; i < 7; ++i) logs.Write(MakeRecorded(i, 300));  // three fit
   logs.Close();
   const std::vector<fs::path> paths = Logs(folder_ / "new/logs");
@@ -70,7 +70,7 @@ TEST_F(LogFolderTest, BeginsTheNextLogWhenOneIsFull) {
 
 TEST_F(LogFolderTest, CanBeReadWhileItGrows) {
   LogFolder logs({.folder = folder_ / "", .max_file_bytes = kPlenty, .quota_bytes = kPlenty},
-                 LastWords);
+                 LastEvent);
   logs.Write(MakeRecorded(1));
   EXPECT_THAT(ReadLog(logs.path()).seconds, ElementsAre(1));
 }
@@ -80,7 +80,7 @@ TEST_F(LogFolderTest, CountsOnAndDeletesBesideTheLargestNumberThatThereIs) {
   std::ofstream(folder_ / "record_9223372036854775807_x.lcm") << std::string(300, 'x');
   LogFolder logs(
       {.folder = folder_ / "", .max_file_bytes = 500, .quota_bytes = 2000, .delete_oldest = true},
-      LastWords);
+      LastEvent);
   std::vector<int64_t> written;
   for (int i = 0; i < 8; ++i) {
     logs.Write(MakeRecorded(i, 400));
@@ -96,7 +96,7 @@ TEST_F(LogFolderTest, CountsOnAndDeletesBesideTheLargestNumberThatThereIs) {
 TEST_F(LogFolderTest, StopsAtTheQuotaAndDeletesNothing) {
   std::ofstream(folder_ / "notes.txt") << std::string(500, 'x');
   LogFolder logs({.folder = folder_ / "", .max_file_bytes = kPlenty, .quota_bytes = 1500},
-                 LastWords);
+                 LastEvent);
   logs.Write(MakeRecorded(1, 400));
   logs.Write(MakeRecorded(2, 400));
   const std::string failure = FailureOf([&] { logs.Write(MakeRecorded(3, 400)); });
@@ -107,7 +107,7 @@ TEST_F(LogFolderTest, StopsAtTheQuotaAndDeletesNothing) {
 }
 
 TEST_F(LogFolderTest, LeavesFoldersThatItMayNotReadOutOfTheQuota) {
-  // Of an ext4 disk's root lost+found is such a folder. Root may read everything.
+  // lost+found of an ext4 disk is such a folder. Root may read everything.
   fs::create_directory(folder_ / "lost+found");
   std::ofstream(folder_ / "lost+found/a") << std::string(5000, 'x');
   fs::permissions(folder_ / "lost+found", fs::perms::none);
@@ -117,7 +117,7 @@ TEST_F(LogFolderTest, LeavesFoldersThatItMayNotReadOutOfTheQuota) {
   ASSERT_EQ(is_root ? seteuid(kNobody) : 0, 0);
   const std::string failure = FailureOf([&] {
     LogFolder logs({.folder = folder_ / "", .max_file_bytes = kPlenty, .quota_bytes = 1500},
-                   LastWords);
+                   LastEvent);
     logs.Write(MakeRecorded(1, 400));
     logs.Close();
   });
@@ -131,7 +131,7 @@ TEST_F(LogFolderTest, DeletesItsOwnOldestOnDemand) {
   std::ofstream(folder_ / "record_000007_20990101_000000Z.lcm") << std::string(500, 'x');
   LogFolder logs(
       {.folder = folder_ / "", .max_file_bytes = 500, .quota_bytes = 2000, .delete_oldest = true},
-      LastWords);
+      LastEvent);
   for (int i = 0; i < 5; ++i) logs.Write(MakeRecorded(i, 400));
   logs.Close();
   std::vector<int64_t> numbers;
@@ -146,7 +146,7 @@ TEST_F(LogFolderTest, NeverDeletesTheLogThatItWrites) {
                   .max_file_bytes = kPlenty,
                   .quota_bytes = 1000,
                   .delete_oldest = true},
-                 LastWords);
+                 LastEvent);
   logs.Write(MakeRecorded(1, 800));
   EXPECT_THAT(FailureOf([&] { logs.Write(MakeRecorded(2, 800)); }),
               HasSubstr("no older recording is left to delete"));
@@ -156,17 +156,17 @@ TEST_F(LogFolderTest, BelongsToOneProcess) {
   const LogFolderOptions options{
       .folder = folder_ / "", .max_file_bytes = kPlenty, .quota_bytes = kPlenty};
   {
-    const LogFolder first(options, LastWords);
-    EXPECT_THAT(FailureOf([&] { LogFolder(options, LastWords); }),
+    const LogFolder first(options, LastEvent);
+    EXPECT_THAT(FailureOf([&] { LogFolder(options, LastEvent); }),
                 testing::AllOf(testing::StartsWith("flag: --dir "),
                                HasSubstr("another process records there; allowed")));
   }
-  EXPECT_EQ(FailureOf([&] { LogFolder(options, LastWords); }), "");
+  EXPECT_EQ(FailureOf([&] { LogFolder(options, LastEvent); }), "");
 }
 
 TEST_F(LogFolderTest, NoticesThatItHasVanished) {
   LogFolder logs({.folder = folder_ / "logs", .max_file_bytes = kPlenty, .quota_bytes = kPlenty},
-                 LastWords);
+                 LastEvent);
   logs.Write(MakeRecorded(1));
   logs.RequireThere();
   fs::rename(logs.path(), folder_ / "elsewhere.lcm");
@@ -178,7 +178,7 @@ TEST_F(LogFolderTest, NoticesThatItHasVanished) {
 TEST_F(LogFolderTest, RefusesWhatIsNoFolder) {
   std::ofstream(folder_ / "file");
   EXPECT_THAT(FailureOf([&] {
-                LogFolder({.folder = folder_ / "file", .quota_bytes = kPlenty}, LastWords);
+                LogFolder({.folder = folder_ / "file", .quota_bytes = kPlenty}, LastEvent);
               }),
               HasSubstr("file: cannot be used (Not a directory); allowed: "));
 }

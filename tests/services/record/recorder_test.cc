@@ -142,7 +142,7 @@ TEST_F(RecorderTest, BeginsANewLogAfterSilence) {
   EXPECT_THAT(Seconds(2), ElementsAre(51, 99));
 }
 
-// A full disk, as the quota is one.
+// A reached quota counts as a full disk.
 TEST_F(RecorderTest, CountsWhatATriggerAskedForAndDidNotFit) {
   const int64_t bytes = RecordingFile::BytesOf(MakeRecorded(0));
   LogFolder small({.folder = directory_ / "small",
