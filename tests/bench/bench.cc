@@ -45,6 +45,7 @@ const std::vector<BenchFrame>& FramesOf(cv::Size size) {
   const char* data = std::getenv("SPROUT_DATA");
   if (data == nullptr) throw ConfigError("SPROUT_DATA: not set; allowed: the folder of the scenes");
   for (const char* scene : kScenes) {
+    if (const char* only = std::getenv("ONLY"); only && std::string(only) != scene) continue;
     frames.push_back(LoadBenchFrame(std::string(data) + "/middlebury/full/" + scene, size));
   }
   loaded = size;

@@ -248,9 +248,10 @@ RangeBias::PointError RangeBias::ErrorOf(const TofSurface& surface,
 }
 
 // Estimates the error that all points share; it has no knots if few nodes show anything.
-void RangeBias::FindCurve(const RangeInput& input) {
+void RangeBias::FindCurve(const RangeInput& input, double error_m) {
   const RectifiedPair& pair = input.rig.pair;
   curve_.Estimate(nodes_.nodes(), pair, /*stiff=*/input.coarse);
+  curve_.BoundSigmas(error_m);
   error_.curve_is_zero = curve_.is_zero();
   for (const RangeKnot& knot : curve_.knots()) {
     const double shared_m = RangeRules::kCurveSharedPx / ErrorPx(pair, knot.depth_m, 1);
@@ -338,7 +339,7 @@ const RangeError& RangeBias::Apply(const RangeInput& input, const RangeSettings&
   error_ = {};
   contradicted_.assign(points.size(), 0);
   nodes_.Set(input, points);
-  FindCurve(input);
+  FindCurve(input, settings.error_m);
   if (error_.curve.empty()) {  // only the data sheet is known
     for (ProjectedPoint& point : points) {
       const double depth_m = pair.DepthFromDisparity(point.seed.disparity());

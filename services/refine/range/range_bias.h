@@ -77,7 +77,7 @@ class RangeBias {
     bool contradicted = false;
   };
 
-  void FindCurve(const RangeInput& input);
+  void FindCurve(const RangeInput& input, double error_m);
   bool FindField(const RangeInput& input, const RangeSettings& settings,
                  std::span<const ProjectedPoint> points);
   void MovePoints(const RangeInput& input, const RangeSettings& settings,

@@ -320,6 +320,16 @@ void RangeCurve::Estimate(std::span<const RangeNode> nodes, const RectifiedPair&
   SetSigmas(nodes, pair, bins);
 }
 
+void RangeCurve::BoundSigmas(double error_m) {
+  const std::vector<RangeKnot> shown = knots_;
+  for (RangeKnot& knot : knots_) {
+    for (const RangeKnot& other : shown) {
+      const double apart = std::abs(other.depth_m - knot.depth_m) / RangeRules::kAlikeOverM;
+      knot.sigma_m = std::min(knot.sigma_m, std::hypot(other.sigma_m, apart * error_m));
+    }
+  }
+}
+
 RangeKnot RangeCurve::At(double depth_m) const {
   const auto behind = std::find_if(knots_.begin(), knots_.end(),
                                    [&](const RangeKnot& k) { return k.depth_m >= depth_m; });

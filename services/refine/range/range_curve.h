@@ -25,6 +25,11 @@ class RangeCurve {
   /// O(nodes · candidates); no I/O; on OpenCV's threads, with the same result for any number.
   void Estimate(std::span<const RangeNode> nodes, const RectifiedPair& pair, bool stiff);
 
+  /// Bounds the standard deviation of a knot by that of another one and what the errors at both
+  /// depths may differ by, so that one without texture is about as sure as its neighbours.
+  /// @param error_m  the most that the device is off by, over RangeRules::kAlikeOverM. O(knots²).
+  void BoundSigmas(double error_m);
+
   /// The knots, sorted by depth; empty when too few nodes show anything.
   std::span<const RangeKnot> knots() const { return knots_; }
   bool is_zero() const { return is_zero_; }

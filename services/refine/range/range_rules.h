@@ -59,7 +59,8 @@ struct RangeRules {
   static constexpr double kOtherSigmas = 2.5;
   /// How far from a knot that has texture, m of depth, one that has not still follows it a little.
   /// With 0 a white wall keeps an error of 20 mm that all else shows, without end it gets one that
-  /// it has not (NOTES.md).
+  /// it has not (NOTES.md). By as much errors differ whose standard deviation is their amplitude: a
+  /// sine with four periods in 7.5 m differs over z by 1.41 π z / 1.88 m of its amplitude, r.m.s.
   static constexpr double kAlikeOverM = 0.4;
   /// The curve must gain as many standard deviations, by blocks of so many cells squared, within
   /// which mistakes go together. Right sensors stay below 3.0, scans of a few beams below 3.4 but

@@ -110,5 +110,18 @@ TEST(RangeCurve, OfAWallWithoutTextureFollowsWhatIsNotFarBeforeIt) {
   EXPECT_NEAR(ErrorOfWall(2.6), 0, 0.002);
 }
 
+TEST(RangeCurve, IsAboutAsSureOfAWallWithoutTextureAsOfWhatIsCloseBeforeIt) {
+  const auto sigma_of = [](double wall_m, double error_m) {
+    RangeCurve curve;
+    curve.Estimate(NodesBeforeWall(wall_m), kCamera, /*stiff=*/false);
+    if (error_m > 0) curve.BoundSigmas(error_m);
+    return curve.knots().back().sigma_m;
+  };
+  EXPECT_GT(sigma_of(1.85, 0), 0.01);
+  EXPECT_LT(sigma_of(1.85, 0.01), 0.004) << "0.1 m behind the last knot with texture";
+  EXPECT_GT(sigma_of(1.85, 0.04), 0.006) << "of a sensor that is less sure";
+  EXPECT_GT(sigma_of(2.6, 0.01), 0.01);
+}
+
 }  // namespace
 }  // namespace sprout::refine
