@@ -82,12 +82,13 @@ bool StereoSeedFinder::IsCoarse(double spacing_px, int width) const {
 void StereoSeedFinder::FindUncovered(const CellGrid& grid, std::span<const Seed> seeds,
                                      std::span<const cv::Point2f> covered, double gap,
                                      double scale) {
-  cv::Mat1b with_points(grid.size, uint8_t{0});
+  with_points_.create(grid.size);
+  with_points_ = 0;
   for (const cv::Point2f& point : covered) {
     const cv::Point cell = grid.CellOf(point.x, point.y);
-    if (grid.Has(cell)) with_points(cell) = 1;
+    if (grid.Has(cell)) with_points_(cell) = 1;
   }
-  cv::dilate(with_points, uncovered_, Disc(gap));
+  cv::dilate(with_points_, uncovered_, Disc(gap));
   uncovered_ = 1 - uncovered_;
   // Cells for which a match could hardly be surer than the points around are left out, too.
   points_.Set(seeds, grid, uncovered_);
@@ -252,8 +253,7 @@ std::span<const Seed> StereoSeedFinder::Find(const cv::Mat1b& left, const cv::Ma
   const bool coarse = IsCoarse(spacing_px, left.cols);
   FindUncovered(grid, seeds, covered, coarse ? 0 : config_.stereo_gap(),
                 MatchingScale(left.size(), config_.stereo_most_pixels()));
-  const auto wanted = static_cast<size_t>(cv::countNonZero(uncovered_));
-  if (wanted == 0) return seeds_;
+  if (cv::countNonZero(uncovered_) == 0) return seeds_;
   const bool between_points = coarse && !seeds.empty();  // that are believed
   MarkWanted(grid, left.size(),
              between_points ? StereoRules::kCoarseSettleCells : StereoRules::kSettleCells);
@@ -273,8 +273,16 @@ std::span<const Seed> StereoSeedFinder::Find(const cv::Mat1b& left, const cv::Ma
              inside.contains({seed.u, seed.v}) && inside.contains({seed.u_right, seed.v});
     });
   }
-  unanswered_ = wanted - seeds_.size();
+  unanswered_ = CountUnanswered(grid, spacing_px);
   return seeds_;
+}
+
+size_t StereoSeedFinder::CountUnanswered(const CellGrid& grid, double spacing_px) {
+  for (const Seed& seed : seeds_) uncovered_(grid.CellOf(seed.u, seed.v)) = 0;
+  cv::Mat1b near_points;
+  cv::dilate(with_points_, near_points, Disc(1 + spacing_px / grid.spacing_px));
+  uncovered_.setTo(0, near_points);
+  return static_cast<size_t>(cv::countNonZero(uncovered_));
 }
 
 }  // namespace sprout::refine

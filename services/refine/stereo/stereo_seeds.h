@@ -41,7 +41,8 @@ class StereoSeedFinder {
   /// The seeds of the last call.
   std::span<const Seed> found() const { return seeds_; }
 
-  /// How many cells of the last call wanted a seed and got none.
+  /// How many cells of the last call wanted a seed and got none, and are farther than a spacing
+  /// from the points, which show themselves if disparities there are negative.
   size_t unanswered() const { return unanswered_; }
 
   /// Matches of a few pixels, see kFewPixels, for a first look: positions and disparities are good
@@ -88,6 +89,7 @@ class StereoSeedFinder {
   StereoMatcherSettings SettingsFor(int width, int columns) const;
   void FindUncovered(const CellGrid& grid, std::span<const Seed> seeds,
                      std::span<const cv::Point2f> covered, double gap, double scale);
+  size_t CountUnanswered(const CellGrid& grid, double spacing_px);
   void MarkWanted(const CellGrid& grid, cv::Size size, int settle_cells);
   void TakeFrom(const cv::Mat1b& left, const cv::Mat1b& right, const CellGrid& grid,
                 const cv::Mat1f& disparity_px, const cv::Mat1f& most_px, int row);
@@ -99,6 +101,7 @@ class StereoSeedFinder {
   int reach_px_ = 0;
   StereoMatcher matcher_;
   PointSurface points_;
+  cv::Mat1b with_points_;                 // cells that hold covered positions
   cv::Mat1b uncovered_;                   // cells that want a seed
   cv::Mat1b wanted_;                      // pixels that are matched for them
   std::vector<std::vector<Seed>> found_;  // in the rows of the grid

@@ -247,6 +247,14 @@ TEST(StereoSeeds, CountsThePlacesWithoutAnAnswer) {
   const Pair pair(Texture(kSize), [](int, int) { return 12; });
   const size_t found = finder.Find(pair.left, pair.right, {}, {}, 0).size();
   EXPECT_EQ(finder.unanswered(), cells - found);
+  // Left of the middle there are points.
+  std::vector<cv::Point2f> points;
+  for (int v = kSpacing / 2; v < kSize.height; v += 2 * kSpacing) {
+    for (int u = kSpacing / 2; u < kSize.width / 2; u += 2 * kSpacing) points.emplace_back(u, v);
+  }
+  finder.Find(flat.left, flat.right, {}, points, 2 * kSpacing);
+  EXPECT_LT(finder.unanswered(), cells / 2);
+  EXPECT_GT(finder.unanswered(), cells / 3);
 }
 
 // A rig whose far points, in the upper tenth, have a disparity of −4 px, or of +4 px. Images of
