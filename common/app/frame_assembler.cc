@@ -15,8 +15,8 @@ namespace {
 // back, frames of a log that plays in a loop may have had another answer by right.
 constexpr size_t kMaxTaken = 48;
 
-// Of a message the first KB of every 16 KB: of two answers for a frame, seldom alike, that tells
-// enough, and all bytes would take 1 to 2 ms of a frame of 2 MP.
+// Takes the first KB of every 16 KB of a message: different answers for a frame differ there, too,
+// and all bytes would take 1 to 2 ms for a frame of 2 MP.
 uint64_t HashOf(std::span<const uint8_t> bytes) {
   constexpr size_t kPart = 1024, kStep = 16 * kPart;
   uint64_t hash = bytes.size();

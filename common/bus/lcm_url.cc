@@ -147,7 +147,7 @@ LcmPtr OpenLcm(const std::string& url) {
   if (const auto error = LcmUrlError(url)) throw BusError(*error);
   const ParsedUrl parsed = *Parse(url);
   if (!parsed.is_tcpq) RequireUdpmRoute(url);
-  // Of a URL with only one of group and port LCM takes 0 for the other.
+  // Written in full: LCM takes 0 for a group or port that a URL lacks.
   const std::string whole =
       parsed.is_tcpq ? url : kUdpmScheme + parsed.host + ":" + parsed.port + "?" + parsed.options;
   LcmPtr lcm(lcm_create(whole.c_str()));

@@ -6,7 +6,7 @@
 namespace sprout {
 namespace {
 
-// Of an image that differs from the last one, only every so many rows are looked at.
+// An image that differs from the last one is hashed only at every so many rows.
 constexpr int kSparseRows = 16;
 
 size_t HashOf(const cv::Mat& image, int step) {

@@ -43,9 +43,9 @@ struct Finding {
   std::string text = {};
   /// The flag of `sprout-pipeline files` that puts it right, as "--tof-unit cm"; empty: none does.
   std::string flag = {};
-  /// Of kHits: the only thing that is bad is that ranges of exactly this, m, are none; else 0.
+  /// For kHits, if the only fault is that ranges of exactly this, m, mean no return; else 0.
   float no_return_m = 0;
-  /// Of kSides: a tenth of the matches has a larger disparity, px of the images; 0: not known.
+  /// For kSides: a tenth of the matches has a larger disparity, px of the images; 0: not known.
   double near_px = 0;
 };
 

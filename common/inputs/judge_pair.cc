@@ -42,7 +42,7 @@ struct PairRules {
   /// Right over left or left over right: 0.83 (ETH3D's playground) to 1.01 in good pairs. At 0.8
   /// preset `fast` loses most of its pixels, from 0.7 on `default` much confidence (NOTES.md).
   static constexpr double kMaxContrast = 1.23;
-  /// Of EXPSSD with the default σ_s² a window that fits but for more than that is worse than τ.
+  /// Beyond it, EXPSSD with the default σ_s² rejects a window that fits in all else (τ).
   static constexpr double kMaxBrightness = 1.27;
 };
 

@@ -86,12 +86,12 @@ struct RangeModel {
   Agreement inverse;  ///< the same of one over the ranges
   Agreement turned;   ///< of other turns the best; by 90° only if as_is is not good
   Agreement moved;    ///< of moves ahead the best, if as_is is not close
-  Agreement shifted;  ///< of moves in the picture the best, if as_is is not close
-  /// Of fields of view that are so many times as wide and high (tangents) the best, if as_is is not
-  /// close: both alike, or such that pixels are square.
+  Agreement shifted;  ///< the best move in the picture, if as_is is not close
+  /// The best factor of the field of view's width and height (tangents), if as_is is not close:
+  /// both alike, or such that pixels are square.
   Agreement spread;
   Agreement swapped;  ///< if as_is is not good: with the left image for the right one
-  Agreement aside;    ///< if as_is is not good: of columns moved alike the best
+  Agreement aside;    ///< if as_is is not good: the best move of all columns
   /// Over the matches that agree with `scaled`, or if it is empty with `as_is`: median of z_range /
   /// z_stereo, of z_range − z_stereo, m, and their standard deviations.
   Estimate ratio = {1, 0};

@@ -23,7 +23,7 @@ class RangeWatch {
   std::string Add(const TofImage& tof, const SeedSet& seeds, const SeedSet& left_seeds);
 
  private:
-  // In their order; kNone: behind the last one.
+  // The steps from a ToF image to seeds, in order; kNone: none of them is silent.
   enum class Step { kCame, kReturns, kHits, kSeeds, kNone };
 
   int64_t Gave(Step step) const { return gave_[static_cast<size_t>(step)]; }

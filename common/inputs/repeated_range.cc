@@ -10,10 +10,10 @@ struct RepeatedRules {
   static constexpr int kMinPixels = 20;
   static constexpr double kShare = 0.005;   ///< of the pixels
   static constexpr double kMaxShare = 0.5;  ///< of the returns: more are the scene
-  /// Of the next smaller range: walls of one distance are not measured as one number, and numbers
-  /// of a rounded depth lie nearer to each other.
+  /// Smallest ratio to the next smaller range: a wall at one distance is not measured as one
+  /// number, and rounded depths lie closer together.
   static constexpr double kGap = 1.25;
-  /// Of the most frequent range that is at most so much nearer or farther.
+  /// Smallest ratio of its count to that of any range that is at most so much nearer or farther.
   static constexpr int kTimesBeside = 4;
   static constexpr float kBeside = 0.03F;
   static constexpr int kRows = 4;           ///< a beam of a lidar meets a flat road at one distance

@@ -20,7 +20,7 @@ bool HasWholeArrays(const seeds_t& message) {
          message.tof_v.size() == count;
 }
 
-// Of each count of what was seen or left out: visit(name, message's, set's).
+// Calls visit(name, message's, set's) for each count of points seen or left out.
 template <typename Message, typename Set, typename Visit>
 void ForEachSeedCount(Message& message, Set& seeds, Visit visit) {
   visit("raw_count", message.raw_count, seeds.raw);

@@ -150,7 +150,7 @@ void McapReader::CloseStretch(size_t number) {
   position_ += stretches_[number].place.size;
 }
 
-// All that may hold the next message.
+// Opens all stretches that may hold the next message.
 void McapReader::OpenStretches() {
   while (opened_ < to_come_.size() &&
          (heads_.empty() || to_come_[opened_].first <= heads_.top().first)) {

@@ -50,7 +50,7 @@ inline constexpr uint8_t kRosFloat64 = 8;
 template <typename T>
 const RosType& RosTypeOf();
 
-/// All of them.
+/// All types that this program knows.
 std::span<const RosType* const> RosTypes();
 
 /// The definition of a type and of all that it uses, as rosbag2 and Foxglove want it in a schema of

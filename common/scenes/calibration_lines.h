@@ -48,7 +48,7 @@ class CalibrationLines {
     return found->second;
   }
 
-  /// That a value cannot be used. @pre Has(key).
+  /// The error for a value that cannot be used. @pre Has(key).
   ConfigError Bad(const std::string& key, const std::string& allowed) const {
     return ConfigError("calibration " + path_.string() + ": " + key + separator_ + Text(key) +
                        ": allowed: " + allowed);

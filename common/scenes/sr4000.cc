@@ -58,7 +58,7 @@ TofCamera CalibratedCamera(const RectifiedPair& pair, const Sr4000Config& config
   }
   camera.left_from_tof_translation_m = {pair.baseline_m / 2, -kAboveM, 0};
   const double aim_px = kAimDisparityPerWidth * pair.width;
-  // Both see the columns from aim_px on.
+  // Both cameras see the columns from aim_px on.
   const Eigen::Vector3d aim_ray((pair.width - 1 + aim_px) / 2 - pair.cx,
                                 (pair.height - 1) / 2.0 - pair.cy, pair.focal_px);
   // Where infinity has a positive disparity, the camera is aimed as if it had none.
