@@ -132,7 +132,7 @@ Result<PriorMap> PriorEstimator::Compute(const cv::Mat& left, const cv::Mat& rig
     return Fail("images of " + SizeText(left.size()) + " and " + SizeText(right.size()) +
                 ": allowed is the calibrated size " + SizeText(size));
   }
-  // Of far points with negative disparities the images were made wider.
+  // Wider images than kMaxSide come from far points with negative disparities, which widen them.
   if (size.width > kMaxSide + kMaxColumns || size.height > kMaxSide) {
     return Fail("a prior of " + SizeText(size) + ": allowed are up to " + std::to_string(kMaxSide) +
                 " pixels a side");

@@ -34,7 +34,7 @@ void Refiner::SearchAsFarAsPoints(int columns) {
 bool Refiner::IsDoubtful() const {
   if (found_.range_error.RejectsAll() || found_.range_error.pair_unfit) return false;
   if (!config_.stereo_seeds()) return false;
-  // Of few points nodes are too few to judge by.
+  // A scan's few points give too few nodes to judge by.
   if (!surface_.has_pixels()) {
     return found_.range_error.contradicted_share > RangeRules::kDoubtfulScan ||
            found_.range_error.moved_share > 0 || found_.scan_move.is_off ||

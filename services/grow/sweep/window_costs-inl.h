@@ -141,7 +141,7 @@ struct FourSums {
   Four energies, differences;
 };
 
-// From the grey values.
+// Sums them up from the grey values.
 // @pre the left window lies in the image, the right window of d leaves it by one column at most.
 HWY_INLINE FourSums SumFour(const GrowthBand& band, PixelId pixel, int d) {
   const DFour d4;

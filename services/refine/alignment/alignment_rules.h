@@ -22,8 +22,8 @@ struct AlignmentRules {
   /// Cosine between the normal and the row or the column. Every direction is within 45° (0.71) of
   /// one of the two; the rest is the error of the normal.
   static constexpr double kMinAcross = 0.6;
-  /// Least step of the disparity for the two surfaces to look different, px of these images.
-  /// By trial.
+  /// Least step of the disparity for the two surfaces to look different, px of these images;
+  /// found by trial.
   static constexpr double kMinStepPx = 3;
 
   // Evidence of the images, eqs. (A3) and (A4).

@@ -58,9 +58,10 @@ struct RangeRules {
   static constexpr double kMaxFactor = 0.3;  ///< more than kMaxDepthShare, to know what is beyond
   static constexpr double kOtherSigmas = 2.5;
   /// How far from a knot that has texture, m of depth, one that has not still follows it a little.
-  /// With 0 a white wall keeps an error of 20 mm that all else shows, without end it gets one that
-  /// it has not (NOTES.md). By as much errors differ whose standard deviation is their amplitude: a
-  /// sine with four periods in 7.5 m differs over z by 1.41 π z / 1.88 m of its amplitude, r.m.s.
+  /// With 0 a white wall keeps an error of 20 mm that all else shows; with a very large value it
+  /// gets one that it does not have (NOTES.md). Two depths so far apart may also differ by about
+  /// the whole error of a device: a sine of four periods in 7.5 m differs r.m.s. by its amplitude
+  /// over 1.88 m / (1.41 π) = 0.42 m.
   static constexpr double kAlikeOverM = 0.4;
   /// The curve must gain as many standard deviations, by blocks of so many cells squared, within
   /// which mistakes go together. Right sensors stay below 3.0, scans of a few beams below 3.4 but
@@ -116,7 +117,7 @@ struct RangeRules {
   /// From this systematic error on, one standard deviation, stereo is asked at a point's place,
   /// too: a little more than what its matches share (kSharedSigmaPx of StereoRules); see NOTES.md.
   static constexpr double kUnsurePx = 0.25;
-  /// Of more noise the mean over neighbours is less sure than stereo, too. Measured (NOTES.md).
+  /// With more noise even the mean over neighbours is less sure than stereo. Measured (NOTES.md).
   static constexpr double kMaxNoisePx = 1.5;
   /// The status tells the share of the points that were moved by more.
   static constexpr double kFarMovePx = kUnsurePx;
@@ -138,7 +139,7 @@ struct RangeRules {
   /// off, within kMatchReach of the picture's width. Where half of the nodes are contradicted it is
   /// 0.48 and more with ranges that are mirrored, upside down or in a wrong unit, 0.28 and less
   /// beside images that are turned, striped, negative, of different focus or of different scenes.
-  /// Of fewer nodes, whose images fit elsewhere, and of nearly all, in dull scenes, it is less:
+  /// It is less where fewer nodes are contradicted, or nearly all, in dull scenes:
   /// wrong ranges 0.34 of 0.34, 0.24 of 0.99, such pairs 0.20 of 0.36, 0.13 of 0.9. From 1 px on
   /// rows that are off have more, from 2 px on a mirrored flat scene 0.01.
   static constexpr double kElsewherePx = 1.5;

@@ -14,7 +14,7 @@ struct StereoRules {
   /// Images of so many pixels at most show whether disparities are negative. With a fourth of them
   /// one of their px is 16 of a 2 MP image, and Lampshade1's wall, at 5 px, seems to be there.
   static constexpr int kFewPixels = 128'000;
-  /// Of them, every so many rows and columns are matches of FindCoarse().
+  /// FindCoarse() takes every so many rows and columns of such images as matches.
   static constexpr int kCoarseStep = 6;
   /// Smallest side of a cell, px of the images.
   static constexpr double kMinSpacingPx = 4;
@@ -65,7 +65,7 @@ struct StereoRules {
   static constexpr double kPlaneScalePerPx = 0.12;
   static constexpr double kFirstScale = 1.5;
 
-  // From coarse to fine.
+  // The search from coarse to fine images.
   /// Disparities searched a pixel, except on the coarsest image: what a vector of 16 bytes holds.
   static constexpr int kLabels = 16;
   /// Most pixels of the coarsest image. By trial: fewer lose thin things, more take longer.

@@ -115,9 +115,9 @@ struct SurfaceRules {
   static constexpr double kFattenedPx = 3;
   static constexpr double kFattenedSteepest = 0.33;
   static constexpr double kFattenedSigmas = 6;
-  /// Of so many near points beside them more than this share has windows that differ so many times
-  /// less at the disparity beyond: of right and of biased sensors up to 0.30 (simulated SR4000s),
-  /// of those whose map is worse than none 0.36 and more.
+  /// Edges are fattened if more than this share of so many near points beside them have windows
+  /// that differ so many times less at the disparity beyond. Right and biased sensors have up to
+  /// 0.30 (simulated SR4000s), those whose map is worse than none 0.36 and more.
   static constexpr size_t kEdgeSample = 350;
   static constexpr double kClearlyBetter = 1.3;
   static constexpr double kWrongEdges = 0.35;

@@ -73,7 +73,7 @@ class TofSurface {
     return {point.tof_u / column_step_, point.tof_v / row_step_};
   }
 
-  /// Of the nearest point in a cell, px; NaN: none.
+  /// Disparity of the nearest point in a cell, px; NaN: none.
   /// @pre the cell lies among columns() and rows().
   float DisparityAt(const cv::Point& cell) const {
     return disparity_[static_cast<size_t>((cell.y + 1) * stride_ + cell.x + 1)];

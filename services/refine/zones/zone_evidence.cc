@@ -12,7 +12,7 @@
 namespace sprout::refine {
 namespace {
 
-constexpr double kFarthest = std::numeric_limits<double>::infinity();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Added to the weights of slopes: a plane through zones in a row, or one alone, stays level, and
 // its slope is as good as unknown (1000 px a px).
 constexpr double kLevel = 1e-6;
@@ -32,7 +32,7 @@ std::optional<Seed> InPair(const TofZones& zones, const RectifiedPair& pair, dou
 
 // What lies between the least and the largest of what is added.
 struct ZoneBox {
-  double left = kFarthest, right = -kFarthest, top = kFarthest, bottom = -kFarthest;
+  double left = kInfinity, right = -kInfinity, top = kInfinity, bottom = -kInfinity;
 
   void Add(const Seed& corner) {
     left = std::min(left, double{corner.u});
@@ -83,7 +83,7 @@ std::optional<Footprint> FootprintOf(const TofZones& zones, size_t zone,
   // Disparity of the middle of the zone; where that is not in front of the pair, the largest.
   const auto disparity_at = [&](double depth_m) {
     const auto seed = depth_m > 0 ? InPair(zones, pair, x, y, depth_m) : std::nullopt;
-    return seed ? double{seed->disparity()} : kFarthest;
+    return seed ? double{seed->disparity()} : kInfinity;
   };
   Footprint footprint;
   ZonePatch& patch = footprint.patch;
