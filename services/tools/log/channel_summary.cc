@@ -14,10 +14,11 @@
 namespace sprout::log {
 namespace {
 
-constexpr size_t kRecentFrames = 64;  // as far back a frame may come again
+constexpr size_t kRecentFrames = 64;  // a frame is known to be repeated among so many
 constexpr size_t kShownGaps = 10;
-constexpr int64_t kLatest =
-    10'000'000;  // µs: a frame that comes later began anew, the clock set back
+// A frame whose time is before the newest one's by more comes from a capture that was started again
+// with its clock set back, µs.
+constexpr int64_t kMaxLateUs = 10'000'000;
 
 std::string TypeText(std::span<const uint8_t> bytes) {
   if (const auto type = TypeOf(bytes)) return NameOf(*type);
@@ -69,7 +70,7 @@ void Sequence::Add(const FrameId& id) {
     ++gap_count_;
     if (gaps_.size() < kShownGaps) gaps_.push_back(gap);
   } else if (newest_ && id.seq <= newest_->seq) {
-    if (id.utime <= newest_->utime && id.utime > newest_->utime - kLatest) {
+    if (id.utime <= newest_->utime && id.utime > newest_->utime - kMaxLateUs) {
       ++late_;
       return;
     }
@@ -80,8 +81,8 @@ void Sequence::Add(const FrameId& id) {
 
 void Sequence::ExpectEvery(int64_t every) {
   if (every == 1) return;
-  constexpr int64_t kMost = std::numeric_limits<int64_t>::max();
-  const int64_t numbers = missing_ < kMost - steps_ ? missing_ + steps_ : kMost;
+  constexpr int64_t kMax = std::numeric_limits<int64_t>::max();
+  const int64_t numbers = missing_ < kMax - steps_ ? missing_ + steps_ : kMax;
   missing_ = std::max<int64_t>(0, numbers / every - steps_);
   gaps_.clear();
   gap_count_ = missing_;
@@ -136,7 +137,7 @@ double ChannelSummary::rate_hz() const {
 
 void ProcessSummary::Add(std::span<const uint8_t> bytes) {
   Result<ProcessInfo> info = DecodeProcessInfo(bytes);
-  if (!info || processes_.size() == kMost) return;
+  if (!info || processes_.size() == kMaxProcesses) return;
   if (std::ranges::find(processes_, *info) != processes_.end()) return;
   processes_.push_back(*std::move(info));
 }

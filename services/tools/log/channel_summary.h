@@ -22,7 +22,7 @@ bool CarriesFrames(MessageType type);
 /// Follows the frame numbers on one channel.
 class Sequence {
  public:
-  /// Frames first to last.
+  /// Missing frame numbers, both ends included.
   struct Gap {
     int64_t first = 0;
     int64_t last = 0;
@@ -39,12 +39,12 @@ class Sequence {
   int64_t missing() const { return missing_; }             ///< missing frame numbers
   int64_t repeated() const { return repeated_; }           ///< repeated frames
   int64_t late() const { return late_; }                   ///< frames that stand behind later ones
-  int64_t times_back() const { return times_back_; }       ///< frames whose number alone rose
+  int64_t times_back() const { return times_back_; }       ///< number rose, but utime did not
   int64_t restarts() const { return restarts_; }           ///< of capture, with smaller numbers
   const std::set<std::string>& rigs() const { return rigs_; }  ///< rig_id; at most kMaxRigs
   static constexpr size_t kMaxRigs = 16;
 
-  /// The first few gaps as text: "7, 12-15"; "..." means others. Behind ExpectEvery() "3 in all".
+  /// The first few gaps as text: "7, 12-15"; "..." means others. After ExpectEvery() "3 in all".
   std::string GapText() const;
 
  private:
@@ -111,13 +111,13 @@ class ProcessSummary {
   /// Takes a message; undecodable and repeated ones are ignored.
   void Add(std::span<const uint8_t> bytes);
 
-  /// The processes in the order in which they came; at most kMost.
+  /// The processes in the order in which they came; at most kMaxProcesses.
   const std::vector<ProcessInfo>& processes() const { return processes_; }
 
   /// The newest process of a stage; null when there is none.
   const ProcessInfo* NewestOf(const std::string& stage) const;
 
-  static constexpr size_t kMost = 100;
+  static constexpr size_t kMaxProcesses = 100;
 
  private:
   std::vector<ProcessInfo> processes_;

@@ -51,9 +51,9 @@ struct PicturesOptions {
 /// Writes a log as ROS 2's messages in an MCAP file: the topics of sprout-ros2.
 int RunMcapExport(const PicturesOptions& options, const std::filesystem::path& out, bool force);
 
-/// Whether a file is none of LCM's, but MCAP: packed or not, or a folder with the parts of a bag.
+/// Whether a path is an MCAP file, also a compressed one, or a folder with the parts of a bag.
 bool IsMcap(const std::filesystem::path& file);
-/// The command info for such a file: topics, types, counts.
+/// The command info for an MCAP file: topics, types, counts.
 int RunMcapInfo(const InfoOptions& options);
 
 }  // namespace sprout::log

@@ -142,10 +142,6 @@ class MemoryHint {
   bool before_ = false;  // there are fused maps before the first frame that is kept
 };
 
-void PrintWritten(const LogWriter& out, const std::filesystem::path& path, int64_t events) {
-  PrintLine(fmt::format("{}: {} of {} events", path.string(), out.events(), events));
-}
-
 using Bytes = std::vector<uint8_t>;
 
 LogError AtEvent(const std::filesystem::path& log, const LogEvent& event, const std::string& what) {
@@ -195,7 +191,7 @@ int RunCut(const CutOptions& options) {
   ProcessKeeper processes(out);
   ReadProgress progress("reading " + options.in.string(), reader.size());
   int64_t events = 0;
-  int64_t kept = 0;  // without calibrations that nobody asked for
+  int64_t kept = 0;  // without calibrations that are added for the frames
   std::set<std::string, std::less<>> absent = filter.names();
   for (LogEvent event; reader.Next(event); progress.Update(reader.position())) {
     ++events;
@@ -228,7 +224,7 @@ int RunCut(const CutOptions& options) {
     PrintWarning(options.in.string() + ": no event on " + name);
   }
   out.Close();
-  PrintWritten(out, options.out, events);
+  PrintLine(fmt::format("{}: {} of {} events", options.out.string(), out.events(), events));
   return 0;
 }
 
@@ -267,7 +263,7 @@ int RunCompress(const CompressOptions& options) {
   ChangeEvents(options.in, options.out, options.force, [&](const LogEvent& event) {
     std::optional<Bytes> smaller = compressor.Compress(event.channel, event.data);
     if (!smaller || !IsPacked(*smaller)) return smaller;
-    // Nothing is lost that was not looked at.
+    // The original may be deleted afterwards, so what was packed is unpacked again and compared.
     const Result<Bytes> back = Unpack(*smaller);
     if (!back || !std::ranges::equal(*back, event.data)) {
       throw AtEvent(options.in, event, "does not come back as it was");

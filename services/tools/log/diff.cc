@@ -54,8 +54,8 @@ std::tuple<int64_t, int64_t, std::string> OrderOf(const EventKey& key) {
   return {key.utime, key.seq, key.channel};
 }
 
-// Walks through both logs abreast. What has no counterpart yet waits as some 200 bytes, not as a
-// message, so memory depends on how far the logs are apart and not on their size.
+// Reads both logs in step. An event without a counterpart so far is kept as some 200 bytes, not as
+// a message, so memory depends on how far the logs are apart and not on their size.
 class LogDiff {
  public:
   explicit LogDiff(const DiffOptions& options)
@@ -69,7 +69,7 @@ class LogDiff {
   // Prints the differences as they come.
   void Run();
 
-  // The table, and what there is to remark.
+  // The table and the remarks on it.
   std::string Report() const;
   bool IsEqual() const;
   bool IsSharedEqual() const;
@@ -235,7 +235,7 @@ std::string LogDiff::Report() const {
   }
   text += remarks.empty() ? "" : "\n" + remarks;
   if (IsEqual()) return text + (options_.common ? "equal in what both have\n" : "equal\n");
-  // This is so for a recording and the replay of one of its stages.
+  // A recording and the replay of one of its stages have different channels, and equal shared ones.
   const bool shared_is_equal = HasShared() && IsSharedEqual();
   return text + "first difference: " + Printable(FrameText(first_->key) + ": " + first_->text) +
          "\n" + "different" +

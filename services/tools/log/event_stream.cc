@@ -9,7 +9,7 @@
 namespace sprout::log {
 namespace {
 
-constexpr size_t kRecentMessages = 64;  // as far back a message may come again
+constexpr size_t kRecentMessages = 64;  // a message is known to be repeated among so many
 
 uint64_t HashOf(std::span<const uint8_t> bytes) {
   return Hash({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
@@ -17,7 +17,7 @@ uint64_t HashOf(std::span<const uint8_t> bytes) {
 
 bool IsProcess(const LogEvent& event) { return TypeOf(event.data) == MessageType::kProcess; }
 
-bool IsChatter(const LogEvent& event) {
+bool IsLeftOutByDefault(const LogEvent& event) {
   const auto type = TypeOf(event.data);
   return event.channel == "LCM_SELF_TEST" || type == MessageType::kStatus ||
          type == MessageType::kRigChange || IsProcess(event);
@@ -41,7 +41,7 @@ bool EventStream::Next() {
   for (LogEvent event; reader_.Next(event);) {
     if (event.channel.starts_with(filter_.prefix()) && IsProcess(event)) processes_.Add(event.data);
     if (!filter_.Has(event.channel)) continue;
-    if (filter_.names().empty() && IsChatter(event)) continue;
+    if (filter_.names().empty() && IsLeftOutByDefault(event)) continue;
     SetKey(event);
     if (IsRepeated()) {
       if (key_.rig_id.empty()) ++repeated_;
@@ -71,7 +71,8 @@ void EventStream::SetKey(const LogEvent& event) {
     key_.seq = id->seq;
     return;
   }
-  // Sent once a second, whatever frame is the newest then: only its content matters.
+  // A calibration is sent once a second with the header of the frame that is then the newest, so
+  // only its content is compared.
   key_.rig_id = id->rig_id;
   if (const auto rig = DecodePart(Part::kRig, event.data)) {
     digest_.bytes = 0;

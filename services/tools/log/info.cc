@@ -39,19 +39,19 @@ struct LogSummary {
   ProcessSummary processes;
   StatusBoard statuses{{}};
   std::vector<LogDamage> damage;
-  std::string other_channel;  // one of another graph
-  int64_t set_back = 0;       // how often the clock was
-  double set_back_s = 0;      // by how much, at most
+  std::string other_channel;  // a channel without the prefix
+  int64_t set_back = 0;       // how often the clock was set back
+  double set_back_s = 0;      // by how much at most
   double pause_s = 0;         // the longest time without any event
 };
 
-// Messages may change places by less.
-constexpr double kLeastSetBackS = 1;
+// A message may be recorded behind one that is later by less, though no clock was set back.
+constexpr double kMinSetBackS = 1;
 
-// Statuses come once a second.
-constexpr double kLeastPauseS = 60;
+// A graph that runs sends statuses once a second, so such a silence is remarked on.
+constexpr double kMinPauseS = 60;
 
-// The clock of the board is that of the log.
+// A time of the log for the board, whose clock is that of the log here.
 StatusBoard::Clock::time_point TimeOf(int64_t utime) {
   return StatusBoard::Clock::time_point(std::chrono::microseconds(utime));
 }
@@ -61,13 +61,13 @@ void AddStatus(const LogEvent& event, StatusBoard& statuses) {
   if (status) statuses.Add(*status, TimeOf(event.utime));
 }
 
-// Of which frames sprout-depth sent anything, by its newest configuration.
+// N where sprout-depth sent depth of every Nth frame, by its newest configuration in the log.
 int64_t DepthEvery(const ProcessSummary& processes) {
   const ProcessInfo* depth = processes.NewestOf("depth");
   if (depth == nullptr) return 1;
   try {
     return LoadConfig({depth->config_text}).depth().every();
-  } catch (const ConfigError&) {  // of another version
+  } catch (const ConfigError&) {  // the log is of another version
     return 1;
   }
 }
@@ -83,7 +83,7 @@ LogSummary Summarize(const InfoOptions& options) {
     const double set_back_s =
         (static_cast<double>(before) - static_cast<double>(event.utime)) / 1e6;
     log.pause_s = std::max(log.pause_s, -set_back_s);
-    if (set_back_s > kLeastSetBackS) {
+    if (set_back_s > kMinSetBackS) {
       ++log.set_back;
       log.set_back_s = std::max(log.set_back_s, set_back_s);
     }
@@ -115,7 +115,7 @@ LogSummary Summarize(const InfoOptions& options) {
   return log;
 }
 
-// Whether the prefix is that of another graph than the log's: then nothing was looked at.
+// Whether no channel of the log has the prefix, so that nothing was looked at.
 bool IsOfAnotherGraph(const LogSummary& log) {
   return log.channels.empty() && !log.other_channel.empty();
 }
@@ -166,7 +166,7 @@ std::string Table(const LogSummary& log) {
   return text;
 }
 
-// Raw images have none.
+// Raw images have an empty rig_id, which does not count.
 std::string RigsText(const LogSummary& log) {
   std::set<std::string> rigs;
   for (const auto& [name, channel] : log.channels) {
@@ -209,7 +209,7 @@ std::string Remarks(const LogSummary& log) {
         "the clock was set back, times: {}, by {:.3f} s at most: times and rates above are wrong\n",
         log.set_back, log.set_back_s);
   }
-  if (log.pause_s > kLeastPauseS) {
+  if (log.pause_s > kMinPauseS) {
     text += fmt::format(
         "no message for {:.3f} s: a pause, or the clock was set forward; rates above are over all "
         "that time\n",

@@ -39,7 +39,7 @@ class FrameFileNames {
   int64_t frames() const { return std::ssize(frames_); }
   int64_t files() const { return files_; }
 
-  /// "; 12 files of other frames were there before" or nothing: a folder may hold an earlier run's.
+  /// "; 12 files of other frames were there before", or nothing. They are of an earlier run.
   std::string OthersText() const;
 
  private:

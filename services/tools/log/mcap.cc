@@ -76,7 +76,7 @@ class RigBook {
   std::map<std::string, Rig> rigs_;
 };
 
-// The file, and its channels as they come up.
+// The MCAP file, to which a channel is added with the first message of its topic.
 class RosFile {
  public:
   explicit RosFile(const std::filesystem::path& path)
@@ -181,7 +181,7 @@ class McapExporter {
   }
 
   void TakePart(const LogEvent& event, Part part) {
-    // What no topic shows is not decoded.
+    // Decoding takes time, so parts that no topic shows are skipped.
     const auto is_of_part = [part](const RosTopicRow& row) { return row.part == part; };
     if (std::ranges::none_of(RosTopicRows(), is_of_part)) return;
     if (frames_ && part != Part::kRig) {
@@ -223,7 +223,7 @@ struct TopicSummary {
   uint64_t first_ns = 0;
   uint64_t last_ns = 0;
 
-  // NaN-free: 0 when it cannot be told.
+  // Messages a second; 0 when there are fewer than two times, since JSON has no NaN.
   double RateHz() const {
     const double seconds = static_cast<double>(last_ns - first_ns) / 1e9;
     return messages > 1 && seconds > 0 ? static_cast<double>(messages - 1) / seconds : 0;
@@ -331,7 +331,7 @@ int RunMcapExport(const PicturesOptions& options, const std::filesystem::path& o
 }
 
 bool IsMcap(const std::filesystem::path& file) {
-  std::error_code unreadable;  // is said by who opens it
+  std::error_code unreadable;  // reported when the file is opened
   if (std::filesystem::is_directory(file, unreadable) || file.string().ends_with(".mcap.zstd")) {
     return true;
   }

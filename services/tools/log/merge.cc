@@ -56,12 +56,12 @@ class MergedLog {
 
   void Advance() {
     while ((is_there_ = reader_.Next(event_)) && hidden_.contains(event_.channel)) ++left_out_;
-    if (is_there_ && HasAnswers(event_.channel)) ++given_;
+    if (is_there_ && HasAnswers(event_.channel)) ++kept_;
   }
 
-  /// Whether later logs have all that it says of frames, as where answers are named before the
-  /// recording; at the end.
-  bool IsReplaced() const { return left_out_ > 0 && given_ == 0; }
+  /// Once the log is read: whether later logs replaced all its messages of frames, as when answers
+  /// are named before the recording.
+  bool IsReplaced() const { return left_out_ > 0 && kept_ == 0; }
 
   bool is_there() const { return is_there_; }
   const LogEvent& event() const { return event_; }
@@ -71,17 +71,17 @@ class MergedLog {
  private:
   std::filesystem::path path_;
   LogReader reader_;
-  ChannelSet hidden_;  // a later log has them
+  ChannelSet hidden_;  // channels that a later log has
   LogEvent event_;
   bool is_there_ = false;
   int64_t left_out_ = 0;
-  int64_t given_ = 0;  // of frames
+  int64_t kept_ = 0;  // messages of frames
 };
 
-// Of one log's frames on one channel.
+// The frames of one log on one channel: their numbers, and the times of their events, µs.
 struct FrameSpan {
   FrameRange numbers;
-  int64_t first_time = 0;  // of events
+  int64_t first_time = 0;
   int64_t last_time = 0;
 };
 
@@ -90,7 +90,7 @@ struct FrameSpan {
 class AnswerCheck {
  public:
   /// Whether another log has had this very message, as where two recorders listened to one graph.
-  /// @throws LogError when another log has had another one for its frame.
+  /// @throws LogError when another log has had a different message for its frame.
   bool IsRepeated(const MergedLog& log) {
     const LogEvent& event = log.event();
     if (!HasAnswers(event.channel)) return false;

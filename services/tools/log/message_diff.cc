@@ -17,7 +17,7 @@
 namespace sprout::log {
 namespace {
 
-// Bit by bit: NaN is equal to itself.
+// Compares bits, so that NaN is equal to itself.
 int64_t CountDifferent(const cv::Mat& a, const cv::Mat& b) {
   int64_t count = 0;
   const size_t bytes = a.elemSize();
@@ -155,8 +155,8 @@ struct Pictures {
   cv::Mat3b difference;
 };
 
-// |b − a| as a map of its own, so that it is shown like one. A pixel that has a disparity in one of
-// them only differs most; one that has none in both has none here.
+// |b − a| as a disparity map. A pixel that is valid in one map only has the largest difference; one
+// that is valid in neither is invalid.
 DisparityImage Difference(const DisparityImage& a, const DisparityImage& b) {
   DisparityImage difference(a.size());
   for (int v = 0; v < a.height(); ++v) {

@@ -60,7 +60,7 @@ class LogTruth {
   std::unique_ptr<scenes::Dataset> dataset_;
   std::optional<int64_t> loaded_;  // the frame of the dataset in truth_
   FrameTruth truth_;
-  cv::Mat left_;                // of the same
+  cv::Mat left_;                // left image of that frame
   std::array<MapSum, 3> maps_;  // in the order of kMapNames
   std::optional<SeedSet> newest_seeds_;
   int64_t newest_seq_ = 0;
@@ -70,7 +70,7 @@ constexpr std::array kMapNames = {"prior", "as grown", "filled"};
 
 FrameTruth TruthOf(const scenes::GroundTruth& truth, const std::string& source) {
   if (truth.left.empty()) throw ConfigError("--truth " + source + ": has no ground truth");
-  if (!truth.nonoccluded.empty()) return {truth.left, truth.nonoccluded};  // the data set's own
+  if (!truth.nonoccluded.empty()) return {truth.left, truth.nonoccluded};
   return {truth.left,
           Required(NonOccludedMask(truth.left, truth.right), "--truth " + source + ": ")};
 }

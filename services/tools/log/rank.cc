@@ -65,7 +65,7 @@ class Ranking {
 
   const RankOptions& options_;
   const QualityColumn& by_;
-  int64_t without_images_ = 0;  // frames with a map
+  int64_t without_images_ = 0;  // frames that have a map, but no images
   std::vector<Row> rows_;       // worst first, then those that are not ranked
   size_t ranked_ = 0;
 };
@@ -77,7 +77,8 @@ void Ranking::Read() {
   const std::string complaint = ReadFrames(options_, parts, [&](const Frame& frame) {
     const FrameQuality quality = QualityOf(frame);
     const auto [known, added] = qualities.emplace(Key{frame.id.utime, frame.id.seq}, quality);
-    // A part that was recorded again comes as a frame of its own.
+    // A part that was recorded twice is read as a second frame of that number: the fuller one
+    // counts.
     if (!added && CountKnown(quality) >= CountKnown(known->second)) known->second = quality;
   });
   for (const auto& [key, quality] : qualities) {
@@ -92,7 +93,7 @@ void Ranking::Read() {
   }
   if (!complaint.empty()) PrintWarning(complaint);
   if (without_images_ == 0) return;
-  // (Q2) takes an unknown misfit for a perfect one.
+  // The score (Q2) counts an unknown misfit as a perfect one.
   PrintWarning(fmt::format(
       "{} of {} frames have no images that fit the map, so no misfit: their scores are higher, and "
       "comparable among themselves alone; `sprout-log merge` adds the images of a recording",

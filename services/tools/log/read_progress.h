@@ -40,7 +40,7 @@ std::string DamageText(const LogDamage& damage);
 /// One line when a log was damaged, for programs that continue; else nothing.
 std::string DamageWarning(const std::filesystem::path& path, const std::vector<LogDamage>& damage);
 
-/// Prints it to stderr, as sprout-log's.
+/// Prints DamageWarning() to stderr, behind the program's name.
 void WarnOfDamage(const std::filesystem::path& path, const std::vector<LogDamage>& damage);
 
 }  // namespace sprout::log

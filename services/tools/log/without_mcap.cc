@@ -1,4 +1,4 @@
-// In the place of mcap.cc where ROS 2 and MCAP are left out.
+// Takes the place of mcap.cc in a build without ROS 2 and MCAP.
 #include "common/config/left_out.h"
 #include "services/tools/log/commands.h"
 

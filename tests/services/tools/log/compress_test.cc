@@ -5,7 +5,6 @@
 #include "common/messages/packed.h"
 #include "tests/services/tools/log/graph_log.h"
 
-// compress and expand.
 namespace sprout::log {
 namespace {
 
@@ -60,7 +59,7 @@ TEST_F(LogCompress, GivesBackTheVeryLog) {
   EXPECT_LT(10 * std::filesystem::file_size(small_), 6 * std::filesystem::file_size(in_));
   ASSERT_EQ(RunLog({"expand", small_, folder_.File("back")}).exit_code, 0);
   EXPECT_TRUE(ReadBytes(folder_.File("back")) == ReadBytes(in_));
-  // What is small already stays, whichever way.
+  // A compressed message is not compressed again, by either method.
   ASSERT_EQ(RunLog({"compress", small_, folder_.File("twice")}).exit_code, 0);
   EXPECT_TRUE(ReadBytes(folder_.File("twice")) == ReadBytes(small_));
   ASSERT_EQ(RunLog({"expand", in_, folder_.File("same")}).exit_code, 0);
@@ -108,7 +107,7 @@ TEST_F(LogCompress, MakesJpegOfCameraImagesOnlyWhenAsked) {
     EXPECT_EQ(image.size(), cv::Size(160, 120));
     EXPECT_EQ(image.channels(), event.channel == "SPROUT_LEFT" ? 3 : 1);
   }
-  // What is JPEG already is not made worse: it is what the stages have seen.
+  // A JPEG is not encoded again with a lower quality: stages have seen it as it is.
   ASSERT_EQ(RunLog({"compress", "--jpeg", "50", small_, folder_.File("twice")}).exit_code, 0);
   EXPECT_TRUE(ReadBytes(folder_.File("twice")) == ReadBytes(small_));
   EXPECT_EQ(RunLog({"compress", "--jpeg", "0", in_, small_, "--force"}).exit_code, 2);

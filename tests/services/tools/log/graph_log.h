@@ -114,7 +114,6 @@ inline std::vector<Event> GraphEvents(int frames) {
   return events;
 }
 
-/// The event of a part of a frame.
 inline Event& EventOf(std::vector<Event>& events, Part part, int64_t seq) {
   for (Event& event : events) {
     if (event.channel == ChannelOf(part) && event.utime == PartEvent(part, seq).utime) return event;
@@ -139,7 +138,6 @@ inline std::string OutOf(const std::vector<std::string>& words, int exit_code = 
   return outcome.out;
 }
 
-/// A folder with logs in it.
 class LogFolder {
  public:
   /// Path of a file, be it there or not.

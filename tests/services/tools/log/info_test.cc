@@ -303,7 +303,7 @@ TEST(ProcessesOfALog, AreNoDifferenceOfTheAnswersButShown) {
   EXPECT_THAT(RunLog({"diff", a, a}).out, Not(HasSubstr("sigma_p_px")));
 }
 
-// Whoever reaches the port chose the texts of the messages.
+// The texts of messages are chosen by their sender, which may be anybody who reaches the port.
 TEST(TextsOfALog, CannotMoveTheCursorOfATerminal) {
   const LogFolder folder;
   std::vector<Event> events = GraphEvents(1);
@@ -341,7 +341,7 @@ TEST(ProcessesOfALog, DoNotGrowWithoutEnd) {
   ProcessSummary summary;
   for (int i = 0; i < 1000; ++i) summary.Add(ProcessEvent(0, "grow", std::to_string(i)).data);
   summary.Add(std::vector<uint8_t>(40));
-  EXPECT_EQ(summary.processes().size(), ProcessSummary::kMost);
+  EXPECT_EQ(summary.processes().size(), ProcessSummary::kMaxProcesses);
   EXPECT_EQ(summary.NewestOf("refine"), nullptr);
 }
 

@@ -268,7 +268,7 @@ TEST_F(LogExport, GivesCloudsTheConfidenceOfEachPoint) {
               testing::Not(HasSubstr("confidence")));
 }
 
-// Programs say it behind their own names.
+// The program that reads the frames prints the damage, with its own name in front.
 TEST_F(LogImages, DamageIsSaidByWhoReadsTheFrames) {
   auto events = GraphEvents(3);
   Bytes bytes = MakeLog(events);

@@ -49,7 +49,7 @@ TEST(LogProgram, RefusesBadFlagsAndFiles) {
   ExpectRefused({"inform"}, "did you mean info?");
   ExpectRefused({"info"}, "FILE");
   ExpectRefused({"info", folder.File("none")}, "No such file");
-  // As in a folder that is not for this user, it cannot even be asked what it is.
+  // As in a folder without permission, not even the type of the file can be found out.
   ExpectRefused({"info", folder.File(std::string(300, 'x').c_str())},
                 "cannot be opened (File name too long)");
   ExpectRefused({"info", folder.File("text")}, "not an LCM log");
