@@ -13,13 +13,13 @@ std::vector<std::string_view> Channels(bool disparities) {
   return {kStatusChannel};
 }
 
-// Between frames at the lowest rates: 30 years, which a clock can still count.
+// Longest period between frames, s: 30 years, which a clock can still count.
 constexpr double kLongestPeriodS = 1e9;
 
-// The time that the next frame's due time counts from, when a frame was due at `due` and comes
-// `now`.
-Pace::Clock::time_point Forgiving(Pace::Clock::time_point due, Pace::Clock::time_point now,
-                                  Pace::Clock::duration interval) {
+// The time from which the next period counts, for a frame that was due at `due` and comes `now`:
+// after a stall it is `now`, so that no backlog is sent in a burst.
+Pace::Clock::time_point WithoutBacklog(Pace::Clock::time_point due, Pace::Clock::time_point now,
+                                       Pace::Clock::duration interval) {
   return now - due > interval ? now : due;
 }
 
@@ -108,7 +108,7 @@ bool Pace::IsLate(Clock::time_point now) const {
 
 void Pace::Take(Clock::time_point now) {
   const std::optional<Clock::duration> period = Period();
-  if (period) due_ = Forgiving(due_, now, *period) + *period;
+  if (period) due_ = WithoutBacklog(due_, now, *period) + *period;
 }
 
 Pace::Clock::time_point Pace::DueBeforeSending(const FrameId& id, Clock::time_point now) {
@@ -118,7 +118,7 @@ Pace::Clock::time_point Pace::DueBeforeSending(const FrameId& id, Clock::time_po
   const auto waited = std::clamp<std::chrono::microseconds>(
       interval, std::chrono::microseconds::zero(), kLongestInterval);
   utime_ = id.utime;
-  due_ = Forgiving(due_ + waited, now, waited);
+  due_ = WithoutBacklog(due_ + waited, now, waited);
   return due_;
 }
 

@@ -97,7 +97,7 @@ class Pace {
  private:
   explicit Pace(std::optional<double> rate_hz) : rate_hz_(rate_hz) {}
 
-  // Between frames at a rate above 0.
+  // Time between frames; nothing where no rate is set, or 0.
   std::optional<Clock::duration> Period() const;
 
   std::optional<double> rate_hz_;  // nothing: as recorded

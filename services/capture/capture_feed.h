@@ -43,12 +43,12 @@ class CaptureFeed {
 
   virtual Timing timing() const = 0;
 
-  /// At the end: whether no range image came with any frame, though the source has a range sensor,
-  /// most of a recording's images became no frame, or bytes or messages of a log cannot be read.
+  /// At the end: whether the source was incomplete. No frame has a range image though there is a
+  /// range sensor, most images of a recording became no frame, or parts of a log cannot be read.
   virtual bool lacks_something() const { return false; }
 
-  /// What frames are rectified with, which may be replaced at any time: the next frame has the new
-  /// one, behind its calibration. Null when the frames come rectified, or stay unrectified.
+  /// The rig by which frames are rectified. It may be replaced at any time; the next frame has the
+  /// new one. Null when the frames come rectified, or stay unrectified.
   virtual std::shared_ptr<CurrentRig> current_rig() const { return nullptr; }
 };
 

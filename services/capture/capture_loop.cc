@@ -43,7 +43,7 @@ std::shared_ptr<CurrentRig> Required(std::shared_ptr<CurrentRig> current,
                     "?rig=FILE, without --raw");
 }
 
-// Listens to SPROUT_RIG_CHANGE, and lets a RigKeeper put the calibration right, on a thread of its
+// Listens to SPROUT_RIG_CHANGE, and lets a RigKeeper correct the calibration, on a thread of its
 // own with low priority, so that no frame waits.
 class RigUpdates {
  public:
@@ -91,7 +91,7 @@ using Clock = StageMonitor::Clock;
 
 constexpr std::chrono::seconds kCalibrationPeriod{1};
 
-// What stages that were waited for have from the calibration to the first frame: touching the
+// Time between the calibration and the first frame for the stages of --wait-for: touching the
 // memory of a frame of 8 MP takes 70 ms in one process, beside three others on two cores twice
 // that.
 constexpr std::chrono::milliseconds kPreparation{200};
@@ -113,8 +113,7 @@ Pace PaceOf(const CaptureConfig& config, const CaptureOptions& options, const Ca
 
 class Capture {
  public:
-  // @param watchdog  of a process whose feed is open.
-  // @param reporter  of the monitor, made here if it is not there.
+  // @param reporter  is made here if the source did not have to be waited for.
   Capture(const ServiceContext& context, const CaptureOptions& options, StageMonitor& monitor,
           Watchdog& watchdog, std::unique_ptr<CaptureFeed> feed,
           std::optional<StatusReporter>& reporter)
@@ -150,7 +149,7 @@ class Capture {
     WaitForRoom(0);
     Report(Clock::now() - started);
     if (stop_.stop_requested()) return 0;
-    if (sent_ == 0) return SayNothingCame();
+    if (sent_ == 0) return ReportNoFrame();
     if (monitor_.Snapshot().frames_out == 0) return 1;
     return feed_->lacks_something() ? 1 : 0;
   }
@@ -169,7 +168,7 @@ class Capture {
     if (options_.lockstep) WaitForRoom(static_cast<size_t>(*options_.lockstep) - 1);
     if (stop_.stop_requested()) return true;
     const auto arrived = Clock::now();
-    if (!options_.lockstep && pace_.IsLate(arrived)) SayLate(arrived);
+    if (!options_.lockstep && pace_.IsLate(arrived)) WarnLate(arrived);
     pace_.Take(arrived);
     std::optional<CaptureMessages> frame = feed_->Next(stop_);
     if (!frame) return false;
@@ -181,7 +180,7 @@ class Capture {
   }
 
   // Says that frames are late, at most once every ten seconds.
-  void SayLate(Clock::time_point now) {
+  void WarnLate(Clock::time_point now) {
     ++late_;
     if (now < next_late_) return;
     const StageStatus status = monitor_.Snapshot();
@@ -210,7 +209,7 @@ class Capture {
   }
 
   // The exit code.
-  int SayNothingCame() const {
+  int ReportNoFrame() const {
     const std::string why = monitor_.Snapshot().last_error;
     LogLine(LogLevel::kError, "capture.source = {}: it gave no frame{}", source_,
             why.empty() ? "" : " (" + why + ")");
@@ -254,8 +253,8 @@ class Capture {
     }
   }
 
-  // Frames are answered in the order in which they were sent: one that was overtaken was skipped,
-  // as of several that wait for a stage only the newest is kept, or lost.
+  // Frames are answered in the order in which they were sent. One that was overtaken was lost, or
+  // skipped: of several frames that wait for a stage only the newest is kept.
   void RemoveAnswered() {
     const auto is_answered = [&](const InFlight& one) { return answers_.IsAnswered(one.frame.id); };
     const auto newest = std::find_if(in_flight_.rbegin(), in_flight_.rend(), is_answered);

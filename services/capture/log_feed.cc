@@ -57,11 +57,12 @@ class LogFeed : public CaptureFeed {
   int64_t rounds() const { return rounds_; }
 
  private:
-  // Recorded once a second only, so the first frames of a log may come before it.
+  // Searches the whole log: calibrations are recorded once a second, so the first frames may come
+  // before one.
   std::vector<uint8_t> FirstCalibration() const {
     LogReader reader(path_);
     ChannelCounts channels;
-    std::string refused;  // why the first one was
+    std::string refused;  // why the first one cannot be used
     for (LogEvent event; reader.Next(event);) {
       channels.Add(event.channel);
       if (PartOf(event.channel, prefix_) != Part::kRig) continue;
@@ -79,7 +80,7 @@ class LogFeed : public CaptureFeed {
                    channels);
   }
 
-  // Capture sends them in front of TOF; a log may begin between the two.
+  // Capture sends TOF_ZONES before TOF. A log may begin between the two, so two scans are awaited.
   bool HasZones() const {
     LogReader reader(path_);
     int scans = 0;
@@ -144,7 +145,7 @@ class LogFeed : public CaptureFeed {
   std::vector<uint8_t> Bytes(int64_t offset) {
     const LogEvent event = fetcher_.Fetch(offset);
     if (IsPacked(event.data)) {
-      // Others may listen. It could be decoded, so it can be unpacked.
+      // Listeners may not know packed messages. This one was decoded before, so it can be unpacked.
       if (Result<std::vector<uint8_t>> message = Unpack(event.data)) return *std::move(message);
     }
     return {event.data.begin(), event.data.end()};
@@ -158,10 +159,10 @@ class LogFeed : public CaptureFeed {
   StageMonitor& monitor_;
   EventFetcher fetcher_;
   std::vector<uint8_t> calibration_;  // newest
-  std::optional<int64_t> rig_;        // where it stands
+  std::optional<int64_t> rig_;        // its offset in the log
   bool calibration_is_new_ = false;
   std::optional<WholeFrames> frames_;
-  int64_t incomplete_ = 0;  // of the rounds before
+  int64_t incomplete_ = 0;  // frames of the rounds before
   int64_t sequence_gaps_ = 0;
   std::optional<CaptureMessages> first_;
   int64_t rounds_ = 0;

@@ -12,12 +12,12 @@ namespace sprout::capture {
 /// Cameras: raw triplets, neither rectified nor with corrected ranges.
 using RawSource = scenes::TripletSource;
 
-/// Rectified frames of cameras, each with the rig that is current when it comes. One of another
+/// Rectified frames of cameras, each with the rig that is current when it comes. A frame of another
 /// size than the calibrated one counts as lost.
 std::unique_ptr<scenes::FrameSource> Rectified(std::unique_ptr<RawSource> cameras,
                                                std::shared_ptr<CurrentRig> rig);
 
-/// Tells why cameras are waited for, in the log where nobody listens.
+/// Reports why cameras are waited for: to `waiting`, or in the log where that is empty.
 inline void TellWaiting(const scenes::Waiting& waiting, const std::string& reason) {
   if (waiting) {
     waiting(reason);

@@ -24,7 +24,7 @@ double DegreesBetween(const Pose& a, const Pose& b) {
   return kDegrees * Eigen::Quaterniond(a.rotation).angularDistance(Eigen::Quaterniond(b.rotation));
 }
 
-// A rig with a change that was seen in its rectified images. What the change does not show stays.
+// A rig with a change that was seen in its rectified images. Numbers that are 0 in it stay.
 // @param made  how these images were rectified: RectificationOf(rig).
 RawRig ChangedRig(const RawRig& rig, const Rectification& made, const RigChange& change) {
   const Eigen::Matrix3d left_from_rectified = BackOf(made.left_turn);

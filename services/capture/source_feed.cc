@@ -14,26 +14,25 @@
 namespace sprout::capture {
 namespace {
 
-// A clock that was set back by more, or a single stamp that was ahead, is followed at once: frames
-// that are stamped 1 µs apart until the clock is there again would be wrong for hours.
+// Times of frames follow a clock that was set back by more. For less, frames are stamped 1 µs apart
+// until the clock has caught up; after a large step that would be wrong for hours.
 constexpr int64_t kMaxHeldUs = 1'000'000;
 
-// Warns of cameras that give the same image again and again, to the last bit, as one that hangs
-// does: noise makes each image of one that works another. The warning holds until the image
-// changes.
+// Warns of cameras that hang and give the same image again, to the last bit, which noise prevents
+// in one that works. The warning holds until the image changes.
 class FrozenWatch {
  public:
   explicit FrozenWatch(StageMonitor& monitor) : monitor_(monitor) {}
 
   // Takes the images of the next frame; empty ones are not looked at.
   void Add(const scenes::CapturedFrame& frame) {
-    Look(cameras_[0], frame.left);
-    Look(cameras_[1], frame.right);
-    Look(cameras_[2], frame.tof.depth_m);
+    Compare(cameras_[0], frame.left);
+    Compare(cameras_[1], frame.right);
+    Compare(cameras_[2], frame.tof.depth_m);
   }
 
  private:
-  static constexpr int kImages = 10;  // in a row that are the same before it is said
+  static constexpr int kImages = 10;  // that must be equal in a row for a warning
 
   struct Camera {
     const char* name;
@@ -41,7 +40,7 @@ class FrozenWatch {
     std::string warning = {};
   };
 
-  void Look(Camera& camera, const cv::Mat& image) {
+  void Compare(Camera& camera, const cv::Mat& image) {
     if (image.empty()) return;
     const int same = camera.count.Add(image);
     if (same == kImages) {
@@ -82,21 +81,21 @@ class SourceFeed : public CaptureFeed {
     if (!frame) {
       const scenes::LostFrames lost = source_->lost_at_end();
       lacks_most_ = lost.lacks_most;
-      Tell(lost);
+      CountLost(lost);
       return std::nullopt;
     }
-    Tell({.count = frame->lost, .trouble = frame->trouble});
+    CountLost({.count = frame->lost, .trouble = frame->trouble});
     if (source_->is_live()) {
       monitor_.SetSpread(frame->spread_ms);
       frozen_.Add(*frame);
     }
     const int64_t utime = frame->utime ? *frame->utime : now_();
     const int64_t set_back_us = std::exchange(sources_utime_, utime) - utime;
-    // A recording that begins again has its own times again, and its pace.
+    // A recording that begins again keeps its times, which give its pace.
     const bool is_followed =
         source_->is_recorded() ? set_back_us > 0 : newest_.utime - utime > kMaxHeldUs;
     if (!source_->is_recorded()) {
-      SayClockSetBack(frame->utime ? "the cameras'" : "this host's", set_back_us, is_followed);
+      WarnClockSetBack(frame->utime ? "the cameras'" : "this host's", set_back_us, is_followed);
     }
     newest_.utime = is_followed ? utime : std::max(utime, newest_.utime + 1);
     ++newest_.seq;
@@ -124,13 +123,13 @@ class SourceFeed : public CaptureFeed {
   std::shared_ptr<CurrentRig> current_rig() const override { return current_; }
 
  private:
-  void Tell(const scenes::LostFrames& lost) {
+  void CountLost(const scenes::LostFrames& lost) {
     if (lost.count > 0) monitor_.CapturesFailed(lost.count, lost.trouble);
     if (lost.count == 0 && !lost.trouble.empty()) monitor_.Failure(lost.trouble);
   }
 
   // Warns if the clock that frames are stamped with was set back.
-  void SayClockSetBack(const char* whose, int64_t set_back_us, bool is_followed) {
+  void WarnClockSetBack(const char* whose, int64_t set_back_us, bool is_followed) {
     if (set_back_us <= 0 || !clock_log_.Pass(StageMonitor::Clock::now())) return;
     monitor_.Warn(fmt::format(
         "{} clock was set back by {:.3f} s: {}", whose, static_cast<double>(set_back_us) * 1e-6,

@@ -14,13 +14,13 @@ namespace sprout::capture {
 /// LEFT, RIGHT, TOF and, with a multi-zone sensor, TOF_ZONES of a frame, as a feed sends them.
 CaptureMessages Encoded(const FrameId& id, const scenes::CapturedFrame& frame);
 
-/// A frame whose calibration is a new one: that is sent before it.
+/// A frame with its calibration in front, for one whose calibration is new.
 CaptureMessages BehindCalibration(std::vector<uint8_t> calibration, CaptureMessages frame);
 
 /// Frames of a source, numbered from 0 and stamped with their time of exposure, or, when the source
 /// has no clock, with the time at which they are taken: the only place where a clock enters a
 /// payload. Times of frames increase until a recording begins again, or the clock is set back by
-/// more than a second; that a clock was set back is said.
+/// more than a second; any clock that was set back is warned of.
 /// @param rig  what the source rectifies with; null when its frames come rectified.
 /// @param now  returns the time, as NowUtime(); tests replace it.
 std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<scenes::FrameSource> source,
@@ -28,7 +28,7 @@ std::unique_ptr<CaptureFeed> FeedFrom(std::unique_ptr<scenes::FrameSource> sourc
                                       std::shared_ptr<CurrentRig> rig = nullptr,
                                       std::function<int64_t()> now = NowUtime);
 
-/// Frames of cameras as they see, for --raw; the frames have no rig_id.
+/// Unrectified frames of cameras, for --raw; they have no rig_id.
 std::unique_ptr<CaptureFeed> RawFeedFrom(std::unique_ptr<RawSource> cameras,
                                          const CaptureConfig& config, StageMonitor& monitor);
 

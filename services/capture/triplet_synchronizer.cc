@@ -10,7 +10,7 @@
 namespace sprout::capture {
 namespace {
 
-// Memory: at most so many images of a camera wait, whatever their times say.
+// Bounds the memory: at most so many images of a camera wait, whatever their times are.
 constexpr size_t kMaxWaitingImages = 64;
 
 Triplet Taken(std::deque<TimedImage>& left, std::deque<TimedImage>& right) {
@@ -148,7 +148,7 @@ void TripletSynchronizer::NoteDistance(int64_t tof_utime, int64_t pair_utime) {
   }
 }
 
-// By a clock that is behind, ToF images are overdue before their pair comes.
+// When the ToF camera's clock is behind, its images are overdue before their pair comes.
 void TripletSynchronizer::NoteOverdue() {
   if (!overdue_tof_utime_) return;
   const int64_t left = QueueOf(RigPlace::kLeft).front().utime;

@@ -106,7 +106,7 @@ class TripletSynchronizer {
   std::array<Queue, kRigPlaces.size()> queues_;
   std::array<int64_t, kRigPlaces.size()> unpaired_{};
   TofJoins joins_;
-  std::optional<int64_t> overdue_tof_utime_;  // of the newest that no pair was there for
+  std::optional<int64_t> overdue_tof_utime_;  // of the newest ToF image that came before all pairs
 };
 
 }  // namespace sprout::capture

@@ -19,7 +19,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Whatever is older has another clock.
+// A picture that seems to be older is stamped by another clock.
 constexpr std::chrono::seconds kMaxAge{10};
 
 class ListedPictures : public Pictures {
@@ -63,7 +63,7 @@ class VideoPictures : public Pictures {
   std::optional<int64_t> Time() const override {
     if (IsDevice(place_)) return std::nullopt;
     const double time_us = 1000 * video_.get(cv::CAP_PROP_POS_MSEC);
-    // Where the container has no times, OpenCV says 0 of all.
+    // Where the container has no times, OpenCV gives 0 for all.
     if (taken_ > 1 && time_us <= 0) {
       return Rate() > 0
                  ? std::optional(std::llround(1e6 * static_cast<double>(taken_ - 1) / Rate()))
@@ -72,7 +72,7 @@ class VideoPictures : public Pictures {
     return std::llround(time_us);
   }
 
-  // V4L2 stamps pictures with the clock of steady_clock; some drivers with another one, or not.
+  // V4L2 stamps pictures with the clock of steady_clock; some drivers use another one, or none.
   std::optional<std::chrono::microseconds> Age() const override {
     if (!IsDevice(place_)) return std::nullopt;
     const std::chrono::duration<double, std::milli> taken(video_.get(cv::CAP_PROP_POS_MSEC));
@@ -100,7 +100,7 @@ class VideoPictures : public Pictures {
     RequireSize();  // before OpenCV takes memory for it; a stream may change its size
     cv::Mat picture;
     if (!video_.retrieve(picture)) return {};
-    return {picture.clone()};  // the next one may take its memory
+    return {picture.clone()};  // OpenCV may reuse the memory for the next picture
   }
 
  private:
@@ -128,12 +128,11 @@ class VideoPictures : public Pictures {
 
 }  // namespace
 
-// One that had to be waited for is the newest. Until then a picture has travelled for an interval
-// or two.
+// A picture that had to be waited for is the newest. By then it is one or two intervals old.
 bool GrabNewest(Pictures& pictures) {
-  constexpr int kMostQueued = 16;
+  constexpr int kMaxQueued = 16;
   const std::chrono::duration<double> interval(pictures.Rate() > 0 ? 1 / pictures.Rate() : 0);
-  for (int i = 0; i < kMostQueued; ++i) {
+  for (int i = 0; i < kMaxQueued; ++i) {
     const Clock::time_point begun = Clock::now();
     if (!pictures.Grab()) return false;
     const auto age = pictures.Age();

@@ -16,10 +16,10 @@ class Pictures {
  public:
   virtual ~Pictures() = default;
 
-  /// Takes the next picture. @returns whether there is one more.
+  /// Takes the next picture. @returns whether there was one.
   virtual bool Grab() = 0;
 
-  /// The one that was taken; empty when it cannot be decoded.
+  /// The picture that was taken; empty when it cannot be decoded.
   /// @throws ConfigError for one that cannot be used.
   virtual CameraImage Retrieve() = 0;
 
@@ -55,8 +55,8 @@ struct PictureMode {
 std::unique_ptr<Pictures> OpenVideoPictures(const std::string& place,
                                             const PictureMode& device = {});
 
-/// Takes the newest picture: the queue of a device keeps the oldest ones for whoever is slower.
-/// Those before it are dropped.
+/// Takes the newest picture and drops those before it, which the queue of a device keeps for a
+/// reader that is slower than the camera.
 /// @returns whether there is one.
 bool GrabNewest(Pictures& pictures);
 

@@ -24,7 +24,7 @@
 namespace sprout::capture {
 namespace {
 
-// The text as it is in a pattern of glob().
+// The text as a pattern of glob() that matches it alone.
 std::string Escaped(const std::string& text) {
   std::string escaped;
   for (const char c : text) {
@@ -44,7 +44,7 @@ bool IsNumber(std::string_view text, size_t width) {
 
 // The images whose names are a pattern with one number, such as left_%04d.png, in the order of
 // their numbers.
-// @throws ConfigError naming an invalid pattern, or one that no image's name is.
+// @throws ConfigError naming a pattern that is invalid, or that no image's name matches.
 std::vector<std::string> ImageList(const std::string& pattern) {
   const auto refuse = [&](const std::string& why) {
     throw ConfigError("image list " + pattern + ": " + why);
@@ -87,7 +87,7 @@ class VideoJoiner {
         offset_us_(std::llround(1000 * offset_ms)),
         synchronizer_({.max_spread_us = HalfPeriod(videos_), .has_tof = false}) {}
 
-  static bool Can(const Both& videos) { return videos[0]->Rate() > 0 && videos[1]->Rate() > 0; }
+  static bool CanJoin(const Both& videos) { return videos[0]->Rate() > 0 && videos[1]->Rate() > 0; }
 
   // The next two pictures; nothing at the end of either video.
   std::optional<Triplet> Next() {
@@ -157,7 +157,7 @@ class VideoSource : public RawSource {
     while (!stop.stop_requested()) {
       if (std::optional<scenes::CapturedFrame> frame = Grab()) {
         Require(*frame);
-        TellOfLost(*frame);
+        TakeLostInto(*frame);
         if (!trouble.empty()) frame->trouble = trouble;
         return frame;
       }
@@ -186,7 +186,7 @@ class VideoSource : public RawSource {
   }
 
  private:
-  // @returns what cannot be opened.
+  // @returns the place that cannot be opened; nothing when all can.
   std::optional<std::string> Open() {
     videos_.clear();
     joiner_.reset();
@@ -199,14 +199,14 @@ class VideoSource : public RawSource {
       std::unique_ptr<Pictures> opened =
           IsList(place) ? OpenImages(ImageList(place)) : OpenVideoPictures(place, settings_.device);
       if (!opened) {
-        videos_.clear();  // one of two alone would be taken for both views in one picture
+        videos_.clear();  // a single video would be taken for one with both views
         return place;
       }
       videos_.push_back(std::move(opened));
     }
     if (videos_.size() != 2 || is_live_) return std::nullopt;
     VideoJoiner::Both both = {std::move(videos_[0]), std::move(videos_[1])};
-    if (VideoJoiner::Can(both)) {
+    if (VideoJoiner::CanJoin(both)) {
       videos_.clear();
       joiner_.emplace(std::move(both), settings_.offset_ms);
     } else {
@@ -254,7 +254,7 @@ class VideoSource : public RawSource {
 
   // Takes both pictures before it decodes either, so that they are of one time.
   std::optional<scenes::CapturedFrame> GrabTogether() {
-    if (videos_.empty()) return std::nullopt;  // lost, and not there again yet
+    if (videos_.empty()) return std::nullopt;  // a lost device that could not be opened again yet
     const auto is_silent = [&](size_t i) {
       silent_ = settings_.places[i];
       return std::nullopt;
@@ -282,7 +282,7 @@ class VideoSource : public RawSource {
     return frame;
   }
 
-  // With the time at which the devices took the pictures, if their drivers say it.
+  // Sets the time at which the devices took the pictures, if their drivers give it.
   void Stamp(scenes::CapturedFrame& frame) const {
     const auto left = videos_.front()->Age();
     const auto right = videos_.back()->Age();
@@ -291,7 +291,7 @@ class VideoSource : public RawSource {
     frame.spread_ms = std::abs(static_cast<double>((*left - *right).count())) * 1e-3;
   }
 
-  void TellOfLost(scenes::CapturedFrame& frame) {
+  void TakeLostInto(scenes::CapturedFrame& frame) {
     frame.lost = std::exchange(lost_, 0);
     frame.trouble = std::exchange(trouble_, {});
   }
@@ -312,7 +312,7 @@ class VideoSource : public RawSource {
   bool is_live_;
   EightBits eight_bits_;
   std::vector<std::unique_ptr<Pictures>> videos_;
-  std::optional<VideoJoiner> joiner_;  // of two videos, instead
+  std::optional<VideoJoiner> joiner_;  // instead of videos_, for two videos with known rates
   std::string silent_;                 // place that gave no picture, or could not be opened again
   int64_t lost_ = 0;                   // since the last frame
   std::string trouble_;

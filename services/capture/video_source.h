@@ -19,7 +19,7 @@ struct VideoSettings {
   int bits = 0;             ///< see EightBits
   /// How much later than the left video the right one begins, ms.
   double offset_ms = 0;
-  /// Called once when a device gives nothing any more, but not while that goes on.
+  /// Called once each time a device stops giving pictures.
   scenes::Waiting waiting = {};
 };
 

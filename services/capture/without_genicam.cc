@@ -1,4 +1,4 @@
-// In the place of genicam/ where that is left out.
+// Takes the place of genicam/ in a build without it.
 #include "common/config/left_out.h"
 #include "services/capture/genicam/genicam_source.h"
 

@@ -1,4 +1,4 @@
-// In the place of ros2/ros_feed.cc where ROS 2 is left out.
+// Takes the place of ros2/ros_feed.cc in a build without ROS 2.
 #include "common/config/left_out.h"
 #include "services/capture/ros2/ros_feed.h"
 

@@ -16,9 +16,9 @@ constexpr milliseconds kFirstPause(500);
 constexpr milliseconds kLongestPause(8000);
 // How soon a stop or a lost camera is noticed.
 constexpr int64_t kPopTimeoutUs = 100'000;
-// How often it is asked for its clock and its time of exposure.
+// How often a camera is asked for its clock and its time of exposure.
 constexpr milliseconds kAskPeriod(500);
-// What some cameras need before their first image.
+// Time that some cameras need before their first image.
 constexpr milliseconds kFirstImage(3000);
 
 // How long a camera that works may send nothing.

@@ -85,7 +85,7 @@ Device::Device(OpenedCamera opened, const DeviceSettings& settings)
 Device::~Device() {
   g_signal_handler_disconnect(arv_camera_get_device(camera_.get()), lost_handler_);
   ArvError error;
-  // One that is gone would only be waited for.
+  // A command to a lost camera would only wait for its timeout.
   if (stream_ && !is_lost_) arv_camera_stop_acquisition(camera_.get(), error.out());
 }
 
@@ -167,9 +167,9 @@ std::optional<DeviceImage> Device::Next(int64_t timeout_us) {
   return image;
 }
 
-// Images whose numbers were passed over and that do not come any more. One that lacks packets comes
-// after those behind it, once it was waited for. Counters of GigE Vision 1 have 16 bits: a long
-// step, and a long one back, is a new start.
+// Counts images whose numbers were skipped and that do not come any more: an image that lacks
+// packets comes late, after newer ones. Counters of GigE Vision 1 have 16 bits, so a long step in
+// either direction is a new start.
 int64_t Device::CountMissing(uint64_t id) {
   constexpr uint64_t kPatience = 32;
   if (id + kPatience < newest_id_ || id > newest_id_ + kPatience) {
@@ -209,7 +209,7 @@ DeviceImage Device::Converted(ArvBuffer* buffer) {
 Result<void> Device::Fill(ArvBuffer* buffer, DeviceImage& image) {
   const auto arrived_ns = static_cast<int64_t>(arv_buffer_get_system_timestamp(buffer));
   image.device_ns = static_cast<int64_t>(arv_buffer_get_timestamp(buffer));
-  if (image.device_ns == 0) image.device_ns = arrived_ns;  // one without a clock
+  if (image.device_ns == 0) image.device_ns = arrived_ns;  // the device has no clock
   image.arrived_utime = arrived_ns / 1000;
   image.exposure_ns = exposure_ns_;
   const std::vector<PayloadPart> parts = PartsOf(buffer);
@@ -234,19 +234,19 @@ Result<void> Device::Fill(ArvBuffer* buffer, DeviceImage& image) {
 }
 
 void Device::Trigger() {
-  ArvError error;  // one that is gone is noticed by the heartbeat
+  ArvError error;  // ignored: a lost camera is noticed by the heartbeat
   arv_camera_software_trigger(camera_.get(), error.out());
 }
 
 void Device::TriggerAt(int64_t device_ns) {
   if (++action_id_ == 0) action_id_ = 1;  // 0 is no number
-  // One that is gone is noticed by the heartbeat.
+  // Errors are ignored: a lost camera is noticed by the heartbeat.
   static_cast<void>(SendScheduledAction(ARV_GV_DEVICE(arv_camera_get_device(camera_.get())),
                                         action_id_, static_cast<uint64_t>(device_ns)));
 }
 
 std::optional<ClockReading> Device::ReadClock() {
-  // An answer that was quick tells the time best.
+  // The quickest answer has the least delay.
   constexpr int kTries = 5;
   constexpr int64_t kQuickUs = 5000;
   std::optional<ClockReading> best;

@@ -26,7 +26,7 @@ struct DeviceImage {
   cv::Mat image;              ///< of a stereo camera; empty when it cannot be used
   TofImage tof;               ///< of a ToF camera; empty when it cannot be used
   int64_t lost = 0;           ///< images that did not come, and this one if it cannot be used
-  std::string trouble;        ///< why, of the newest of them
+  std::string trouble;        ///< why the newest of them was lost
 };
 
 /// A reading of a device's clock, and the host's time.
@@ -56,7 +56,7 @@ class Device {
   /// Whether it stopped answering. Aravis' heartbeat detects this within some 7 s.
   bool is_lost() const { return is_lost_; }
 
-  /// Marks it as lost: it is not waited for.
+  /// Marks the camera as lost, so that closing it does not wait for it.
   void GiveUp() { is_lost_ = true; }
 
   /// Starts an exposure, for RigDescription::SOFTWARE.

@@ -63,8 +63,8 @@ std::optional<std::string> DeviceClock::Add(int64_t device_ns, int64_t host_us) 
   }
   if (!suspects_.empty()) {
     const double difference = residual - suspects_.front().residual_us;
-    if (difference > kJumpUs) return std::nullopt;  // one that is late on top of that
-    if (difference < -kJumpUs) suspects_.clear();   // so those before were only late
+    if (difference > kJumpUs) return std::nullopt;  // a packet that is late besides
+    if (difference < -kJumpUs) suspects_.clear();   // the suspects before were only late packets
   }
   suspects_.push_back({device_ns, host_us, residual});
   if (suspects_.size() < kSuspects) return std::nullopt;
@@ -81,7 +81,7 @@ void DeviceClock::Keep(const Pair& pair) {
   } else if (Residual(pair) < Residual(bins_.back().quickest)) {
     bins_.back().quickest = pair;
   } else {
-    return;  // nothing new
+    return;  // the line does not change
   }
   while (bins_.front().index + kBins <= index) bins_.pop_front();
   Fit();

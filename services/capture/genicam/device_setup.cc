@@ -16,7 +16,7 @@ bool Has(ArvCamera* camera, const char* feature) {
   return arv_camera_is_feature_available(camera, feature, error.out()) && !error;
 }
 
-Result<void> Done(const ArvError& error, const std::string& what) {
+Result<void> ResultOf(const ArvError& error, const std::string& what) {
   if (!error) return {};
   return Fail(what + ": " + error.text());
 }
@@ -38,14 +38,14 @@ Result<void> CheckBounds(ArvCamera* camera, const char* field, double value,
   return Fail(fmt::format("{} = {}: this camera allows {} to {}", field, value, min, max));
 }
 
-// The parts of a ToF camera's payload: ranges, and what tells how good they are.
+// Selects the parts of a ToF camera's payload: ranges, amplitudes and confidences.
 Result<void> SetParts(ArvCamera* camera) {
   ArvError error;
   if (arv_camera_is_gv_device(camera)) {
     // Without multipart payloads the components come one after the other, in payloads of their own.
     if (!arv_camera_gv_is_multipart_supported(camera, error.out()) || error) return {};
     arv_camera_gv_set_multipart(camera, TRUE, error.out());
-    if (error) return Done(error, "multipart payload");
+    if (error) return ResultOf(error, "multipart payload");
   }
   if (!arv_camera_is_component_available(camera, error.out()) || error) return {};
   unsigned count = 0;
@@ -57,7 +57,7 @@ Result<void> SetParts(ArvCamera* camera) {
       // The last one stays selected: the pixel format is that of the ranges.
       arv_camera_select_component(camera, part.data(), ARV_COMPONENT_SELECTION_FLAGS_ENABLE,
                                   nullptr, error.out());
-      if (error) return Done(error, "component " + std::string(part));
+      if (error) return ResultOf(error, "component " + std::string(part));
     }
   }
   return {};
@@ -81,13 +81,13 @@ Result<void> SetExposure(ArvCamera* camera, double exposure_us) {
   ArvError error;
   if (arv_camera_is_exposure_auto_available(camera, error.out())) {
     arv_camera_set_exposure_time_auto(camera, ARV_AUTO_OFF, error.out());
-    if (error) return Done(error, "exposure_us");
+    if (error) return ResultOf(error, "exposure_us");
   }
   const Result<void> fits =
       CheckBounds(camera, "exposure_us", exposure_us, arv_camera_get_exposure_time_bounds);
   if (!fits) return fits;
   arv_camera_set_exposure_time(camera, exposure_us, error.out());
-  return Done(error, fmt::format("exposure_us = {}", exposure_us));
+  return ResultOf(error, fmt::format("exposure_us = {}", exposure_us));
 }
 
 Result<void> SetGain(ArvCamera* camera, double gain_db) {
@@ -95,17 +95,17 @@ Result<void> SetGain(ArvCamera* camera, double gain_db) {
   ArvError error;
   if (arv_camera_is_gain_auto_available(camera, error.out())) {
     arv_camera_set_gain_auto(camera, ARV_AUTO_OFF, error.out());
-    if (error) return Done(error, "gain_db");
+    if (error) return ResultOf(error, "gain_db");
   }
   const Result<void> fits = CheckBounds(camera, "gain_db", gain_db, arv_camera_get_gain_bounds);
   if (!fits) return fits;
   arv_camera_set_gain(camera, gain_db, error.out());
-  return Done(error, fmt::format("gain_db = {}", gain_db));
+  return ResultOf(error, fmt::format("gain_db = {}", gain_db));
 }
 
 Result<void> SetPacketSize(ArvCamera* camera, int packet_size) {
   if (!arv_camera_is_gv_device(camera)) return {};
-  // Tried out with packets of the camera's own when the stream is made.
+  // Aravis then finds the largest size that arrives, when the stream is made.
   if (packet_size == 0) {
     arv_camera_gv_set_packet_size_adjustment(camera, ARV_GV_PACKET_SIZE_ADJUSTMENT_ALWAYS);
     return {};
@@ -113,19 +113,19 @@ Result<void> SetPacketSize(ArvCamera* camera, int packet_size) {
   arv_camera_gv_set_packet_size_adjustment(camera, ARV_GV_PACKET_SIZE_ADJUSTMENT_NEVER);
   ArvError error;
   arv_camera_gv_set_packet_size(camera, packet_size, error.out());
-  return Done(error, fmt::format("packet_size = {}", packet_size));
+  return ResultOf(error, fmt::format("packet_size = {}", packet_size));
 }
 
 Result<void> SetFreeRun(ArvCamera* camera, double frame_rate_hz) {
   ArvError error;
   arv_camera_clear_triggers(camera, error.out());
-  if (error) return Done(error, "trigger = FREE_RUN");
+  if (error) return ResultOf(error, "trigger = FREE_RUN");
   if (!arv_camera_is_frame_rate_available(camera, error.out())) return {};
   const Result<void> fits =
       CheckBounds(camera, "frame_rate_hz", frame_rate_hz, arv_camera_get_frame_rate_bounds);
   if (!fits) return fits;
   arv_camera_set_frame_rate(camera, frame_rate_hz, error.out());
-  return Done(error, fmt::format("frame_rate_hz = {}", frame_rate_hz));
+  return ResultOf(error, fmt::format("frame_rate_hz = {}", frame_rate_hz));
 }
 
 Result<void> SetTriggerSource(ArvCamera* camera, const char* source, const std::string& what) {
@@ -140,7 +140,8 @@ Result<void> SetTriggerSource(ArvCamera* camera, const char* source, const std::
                           sources ? Names(sources.get(), count) : "none"));
 }
 
-// Some cameras count lines and actions from 0, some from 1: the source that this one has.
+// `source` if the camera has it, else `otherwise`: cameras count lines and actions from 0 or
+// from 1.
 const char* FirstSource(ArvCamera* camera, const char* source, const char* otherwise) {
   ArvError error;
   const bool has_it =
@@ -151,10 +152,10 @@ const char* FirstSource(ArvCamera* camera, const char* source, const char* other
 Result<void> SetInteger(ArvCamera* camera, const char* feature, int64_t value) {
   ArvError error;
   arv_camera_set_integer(camera, feature, value, error.out());
-  return Done(error, "trigger = PTP: " + std::string(feature));
+  return ResultOf(error, "trigger = PTP: " + std::string(feature));
 }
 
-// The clock of the network, and exposures at what action commands say.
+// Sets the camera to the network's clock, and to exposures at the times of action commands.
 Result<void> SetPtp(ArvCamera* camera) {
   const char* enable = Has(camera, "PtpEnable") ? "PtpEnable" : "GevIEEE1588";  // new, old cameras
   if (!arv_camera_is_gv_device(camera) || !Has(camera, enable)) {
@@ -162,7 +163,7 @@ Result<void> SetPtp(ArvCamera* camera) {
   }
   ArvError error;
   arv_camera_set_boolean(camera, enable, TRUE, error.out());
-  if (error) return Done(error, "trigger = PTP: " + std::string(enable));
+  if (error) return ResultOf(error, "trigger = PTP: " + std::string(enable));
   const char* source = FirstSource(camera, "Action0", "Action1");
   const int number = source[std::string_view("Action").size()] - '0';
   Result<void> done;
@@ -225,7 +226,7 @@ Result<void> SetUpCamera(ArvCamera* camera, const DeviceSettings& settings) {
   if (done) done = SetTrigger(camera, settings);
   if (!done) return done;
   arv_camera_set_acquisition_mode(camera, ARV_ACQUISITION_MODE_CONTINUOUS, error.out());
-  return Done(error, "continuous acquisition");
+  return ResultOf(error, "continuous acquisition");
 }
 
 ClockReader::ClockReader(ArvCamera* camera) {

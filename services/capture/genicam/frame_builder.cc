@@ -41,8 +41,8 @@ std::string PlaceText(RigPlace place, const RigDescription& rig) {
                      DeviceOf(place, rig).serial());
 }
 
-FrameBuilder::FrameBuilder(const RigDescription& rig) : rig_(rig), former_(ConfigOf(rig)) {
-  former_.SetTofIsThere(false);  // until it is opened
+FrameBuilder::FrameBuilder(const RigDescription& rig) : rig_(rig), synchronizer_(ConfigOf(rig)) {
+  synchronizer_.SetTofIsThere(false);  // until it is opened
 }
 
 void FrameBuilder::Add(RigPlace place, CameraEvent event) {
@@ -52,11 +52,11 @@ void FrameBuilder::Add(RigPlace place, CameraEvent event) {
       At(place).is_read = false;
       At(place).is_distrusted = false;
       At(place).misfits = 0;
-      former_.Drop(place);
-      if (place == RigPlace::kTof) former_.SetTofIsThere(true);
+      synchronizer_.Drop(place);
+      if (place == RigPlace::kTof) synchronizer_.SetTofIsThere(true);
       return;
     case CameraEvent::Kind::kGone:
-      if (place == RigPlace::kTof) former_.SetTofIsThere(false);
+      if (place == RigPlace::kTof) synchronizer_.SetTofIsThere(false);
       Complain(place, event.text);
       return;
     case CameraEvent::Kind::kClock:
@@ -85,21 +85,21 @@ void FrameBuilder::AddImage(RigPlace place, DeviceImage image) {
   // parts it from the others.
   const bool is_shared = rig_.trigger() == RigDescription::PTP;
   const DeviceClock& clock = At(is_shared ? RigPlace::kLeft : place).clock;
-  if (!clock.is_set()) return;  // a moment after a start
-  former_.Push(place, {.utime = clock.HostUs(image.device_ns + image.exposure_ns / 2),
-                       .image = std::move(image.image),
-                       .tof = std::move(image.tof)});
+  if (!clock.is_set()) return;  // right after a start
+  synchronizer_.Push(place, {.utime = clock.HostUs(image.device_ns + image.exposure_ns / 2),
+                             .image = std::move(image.image),
+                             .tof = std::move(image.tof)});
 }
 
 void FrameBuilder::AddTime(RigPlace place, int64_t device_ns, int64_t utime) {
   const std::optional<std::string> jump = At(place).clock.Add(device_ns, utime);
   if (!jump) return;
   Complain(place, *jump);
-  former_.Drop(place);
+  synchronizer_.Drop(place);
 }
 
-// Images come after they were exposed, and soon. Otherwise the clock has jumped since it was read,
-// or what is read is not what images are stamped with.
+// Images arrive soon after their exposure. Otherwise the clock has jumped since it was read, or the
+// clock that is read is not the one that stamps images.
 void FrameBuilder::CheckReading(RigPlace place, int64_t end_ns, int64_t arrived_utime) {
   Place& camera = At(place);
   if (!camera.clock.is_set()) return;
@@ -111,7 +111,7 @@ void FrameBuilder::CheckReading(RigPlace place, int64_t end_ns, int64_t arrived_
   ++camera.misfits;
   if (camera.misfits % kMisfits != 0) return;
   camera.clock.Restart();
-  former_.Drop(place);
+  synchronizer_.Drop(place);
   if (camera.misfits == kMisfits) {
     Complain(place, "its clock contradicts its images; reading it again");
     return;
@@ -122,22 +122,22 @@ void FrameBuilder::CheckReading(RigPlace place, int64_t end_ns, int64_t arrived_
 }
 
 void FrameBuilder::Complain(RigPlace place, const std::string& text) {
-  constexpr size_t kMaxLength = 500;  // of all that happens between two frames
+  constexpr size_t kMaxLength = 500;  // of the text of one frame
   const std::string trouble = PlaceText(place, rig_) + ": " + text;
   if (trouble_.size() > kMaxLength || trouble_.find(trouble) != std::string::npos) return;
   trouble_ += (trouble_.empty() ? "" : "; ") + trouble;
 }
 
 int64_t FrameBuilder::LostOf(RigPlace place) const {
-  return places_[static_cast<size_t>(place)].lost + former_.unpaired(place);
+  return places_[static_cast<size_t>(place)].lost + synchronizer_.unpaired(place);
 }
 
 int64_t FrameBuilder::LostSince(RigPlace place) const {
   return LostOf(place) - lost_before_[static_cast<size_t>(place)];
 }
 
-// Captures that are missing since the last frame. One that left lost leaves right's image without a
-// partner, so both have counted it.
+// Captures that are missing since the last frame. When one camera loses an image, that of the other
+// one has no partner: both count the capture, so the larger count is taken.
 int64_t FrameBuilder::Lost() const {
   int64_t lost = 0;
   for (const RigPlace place : kStereo) lost = std::max(lost, LostSince(place));
@@ -146,7 +146,7 @@ int64_t FrameBuilder::Lost() const {
 }
 
 std::optional<scenes::CapturedFrame> FrameBuilder::Next(int64_t now_utime) {
-  std::optional<Triplet> triplet = former_.Next(now_utime);
+  std::optional<Triplet> triplet = synchronizer_.Next(now_utime);
   if (!triplet) return std::nullopt;
   scenes::CapturedFrame frame;
   frame.utime = triplet->utime();
@@ -164,8 +164,8 @@ std::optional<scenes::CapturedFrame> FrameBuilder::Next(int64_t now_utime) {
         rig_.max_spread_ms(), LostSince(RigPlace::kLeft), LostSince(RigPlace::kRight));
   }
   if (frame.trouble.empty()) {
-    frame.trouble =
-        JoinTrouble(former_.tof_joins(), former_.config(), "the ToF camera", /*at_end=*/false);
+    frame.trouble = JoinTrouble(synchronizer_.tof_joins(), synchronizer_.config(), "the ToF camera",
+                                /*at_end=*/false);
   }
   for (const RigPlace place : kStereo) lost_before_[static_cast<size_t>(place)] = LostOf(place);
   for (Place& place : places_) place.images = 0;

@@ -57,12 +57,12 @@ class FrameBuilder {
   int64_t Lost() const;
 
   RigDescription rig_;
-  TripletSynchronizer former_;
+  TripletSynchronizer synchronizer_;
   std::array<Place, kRigPlaces.size()> places_;
   bool has_frames_ = false;
   std::array<int64_t, 2> lost_before_{};  // left, right: at the last frame
   std::string trouble_;
-  std::string told_;  // of it
+  std::string told_;  // what NewTrouble() has given of it
 };
 
 }  // namespace sprout::capture

@@ -28,10 +28,10 @@ using std::chrono::milliseconds;
 constexpr std::ptrdiff_t kMaxWaiting = 16;
 // How often a pair is asked whether it has waited long enough for its ToF image.
 constexpr milliseconds kPoll(10);
-// After kSilence without a frame it is said why, and again after each kReminder.
+// After kSilence without a frame the reason is reported, and again after each kReminder.
 constexpr milliseconds kSilence(2000);
 constexpr milliseconds kReminder(10'000);
-// How long before an exposure the cameras are told of it: much more than a packet's way.
+// How long before an exposure the cameras are told of it: much longer than a packet travels.
 constexpr int64_t kLeadNs = 50'000'000;
 
 // Events of all cameras, in the order of their coming. Thread-safe, and bounded: cameras are seldom
@@ -82,7 +82,7 @@ class Inbox {
 class GenicamSource : public RawSource {
  public:
   GenicamSource(const RigDescription& rig, scenes::Waiting waiting)
-      : rig_(rig), waiting_(std::move(waiting)), former_(rig) {
+      : rig_(rig), waiting_(std::move(waiting)), builder_(rig) {
     const std::optional<RawRig> calibration = CalibrationOf(rig);
     for (const RigPlace place : kRigPlaces) {
       const bool is_tof = place == RigPlace::kTof;
@@ -94,7 +94,7 @@ class GenicamSource : public RawSource {
                               .lens = std::nullopt};
       if (calibration && calibration->tof.width > 0) settings.lens = calibration->tof;
       cameras_[static_cast<size_t>(place)] = std::make_unique<Camera>(
-          settings, [this, place](CameraEvent event) { Tell(place, std::move(event)); });
+          settings, [this, place](CameraEvent event) { TakeEvent(place, std::move(event)); });
     }
     if (rig.trigger() == RigDescription::SOFTWARE) StartTriggers();
     if (rig.trigger() == RigDescription::PTP) {
@@ -102,7 +102,7 @@ class GenicamSource : public RawSource {
     }
   }
 
-  // All at once: one that does not answer takes seconds.
+  // Stops all cameras at the same time, since one that does not answer takes seconds.
   ~GenicamSource() override {
     for (std::jthread& trigger : triggers_) trigger.request_stop();
     for (const auto& camera : cameras_) {
@@ -117,14 +117,14 @@ class GenicamSource : public RawSource {
   std::optional<scenes::CapturedFrame> Next(const std::stop_token& stop) override {
     Clock::time_point next_word = Clock::now() + kSilence;
     while (!stop.stop_requested()) {
-      if (std::optional<scenes::CapturedFrame> frame = former_.Next(g_get_real_time()))
+      if (std::optional<scenes::CapturedFrame> frame = builder_.Next(g_get_real_time()))
         return frame;
       if (waiting_) waiting_("");
-      for (auto& [place, event] : inbox_.Take(stop)) former_.Add(place, std::move(event));
+      for (auto& [place, event] : inbox_.Take(stop)) builder_.Add(place, std::move(event));
       if (Clock::now() < next_word) continue;
       next_word = Clock::now() + kReminder;
-      // Frames tell it otherwise, but there are none.
-      if (const std::string trouble = former_.NewTrouble(); !trouble.empty()) {
+      // Otherwise trouble is reported with the next frame.
+      if (const std::string trouble = builder_.NewTrouble(); !trouble.empty()) {
         TellWaiting(waiting_, "waiting for the cameras: " + trouble);
       }
     }
@@ -132,7 +132,7 @@ class GenicamSource : public RawSource {
   }
 
  private:
-  void Tell(RigPlace place, CameraEvent event) {
+  void TakeEvent(RigPlace place, CameraEvent event) {
     if (event.kind == CameraEvent::Kind::kOpened) {
       LogLine(LogLevel::kInfo, "{}: {}", PlaceText(place, rig_), event.text);
     }
@@ -187,10 +187,10 @@ class GenicamSource : public RawSource {
 
   RigDescription rig_;
   scenes::Waiting waiting_;
-  FrameBuilder former_;
+  FrameBuilder builder_;
   Inbox inbox_;
   std::array<std::unique_ptr<Camera>, kRigPlaces.size()> cameras_;
-  std::vector<std::jthread> triggers_;  // the last ones: they use the cameras
+  std::vector<std::jthread> triggers_;  // last: they use the cameras
 };
 
 void RequireDevice(RigPlace place, const RigDescription& rig, const std::string& path,

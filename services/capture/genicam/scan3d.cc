@@ -13,12 +13,12 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "payloads are little endian");
 
-// Places of the numbers of a pixel with A, B, C and perhaps the intensity.
+// Channels of a pixel with A, B, C and perhaps the intensity.
 constexpr int kCoordinateC = 2;
 constexpr int kIntensity = 3;
 
-// One number of every pixel: coordinate C or the only one, or else that which was asked for. Not of
-// formats of colour: a device may say of any image that it shows ranges.
+// One channel of every pixel: `wanted`, else the only one or coordinate C. Refuses formats of
+// colour, since a device may declare any image to be one of ranges.
 Result<cv::Mat1d> ReadPart(const PayloadPart& part, std::optional<int> wanted = {}) {
   const Result<size_t> stride = RowBytes(part);
   if (!stride) return Fail(stride.error().text);
@@ -67,7 +67,7 @@ Roles RolesOf(std::span<const PayloadPart> parts) {
     if (role || (&role == &roles.amplitude && !IsOfKind(part, PixelKind::kGrey))) continue;
     role = &part;
   }
-  // Ranges from a camera that does not know of coordinates.
+  // A camera without formats of coordinates sends ranges as grey levels.
   if (!roles.range && roles.amplitude && roles.amplitude->content == PartContent::kUnknown &&
       roles.amplitude->format == static_cast<uint32_t>(PixelFormat::kMono16)) {
     std::swap(roles.range, roles.amplitude);

@@ -55,8 +55,8 @@ bool AreEqual(const RosRig& a, RosRig b) {
   return is_tof_there && are_points_there && RigId(a.rig) == RigId(b.rig);
 }
 
-// By how many pixels what a camera sees is moved at most when its image is rectified, by D and R,
-// within its middle; 0: its lens is not known.
+// Largest distance that rectifying by D and R moves a pixel in the middle of the image, px; 0 when
+// the lens is not known.
 double MovedPx(const RosCamera& camera) {
   if (!camera.lens) return 0;
   Lens straight = *camera.lens;
@@ -101,7 +101,7 @@ Result<bool> RosCalibration::TakeTransforms(const RosBytes& message) {
   Result<bool> outcome = false;
   for (const RosTransform& one : RosSpan((*transforms)->transforms)) {
     Result<RosPose> pose = FromRosTransform(one);
-    if (!pose) {  // of some other joint, mostly
+    if (!pose) {  // mostly of a joint that is not needed
       if (outcome) outcome = tl::unexpected(pose.error());
       if (unusable_.size() < kMaxNamed) unusable_.emplace(FrameName(RosText(one.child_frame_id)));
       continue;
@@ -127,7 +127,7 @@ Result<bool> RosCalibration::TakePointsFrame(const RosBytes& message) {
     return false;
   }
   const Result<RosMessage<RosPointCloud>> cloud = ReadCdr<RosPointCloud>(message.cdr);
-  if (!cloud && points_frame_) return false;  // who takes its points says what is wrong
+  if (!cloud && points_frame_) return false;  // RosTriplets reports what is wrong
   if (!cloud) return tl::unexpected(cloud.error());
   points_frame_ = RosText((*cloud)->header.frame_id);
   const auto frame = cdr.first(sizeof(uint32_t) + points_frame_->size() + 1);
@@ -174,9 +174,9 @@ std::string RosCalibration::OtherFrame(const RosBytes& message) const {
 }
 
 std::string RosCalibration::RawImages() const {
-  constexpr double kLeastPx = 1;  // less is rounding
+  constexpr double kMinMovedPx = 1;  // less is rounding
   const double moved_px = std::max(MovedPx(left_->camera), MovedPx(right_->camera));
-  if (moved_px < kLeastPx || (SaysRectified(settings_.left) && SaysRectified(settings_.right))) {
+  if (moved_px < kMinMovedPx || (SaysRectified(settings_.left) && SaysRectified(settings_.right))) {
     return "";
   }
   return fmt::format(
@@ -196,7 +196,7 @@ std::optional<RosPose> RosCalibration::PoseInRoot(std::string_view frame) const 
     pose.parent = up->second.parent;
     pose.parent_from_child = up->second.parent_from_child * pose.parent_from_child;
   }
-  return std::nullopt;  // they go round in a circle
+  return std::nullopt;  // the transforms form a circle
 }
 
 // Pose of a frame in the left camera's; nothing when /tf_static does not say.
@@ -231,17 +231,17 @@ std::optional<RosRole> RosCalibration::Missing() const {
 }
 
 std::string RosCalibration::MissingTransform() const {
-  constexpr size_t kMost = 20;
+  constexpr size_t kMaxListed = 20;
   std::string text = "no transform from the range sensor's frame '" + RangeFrame() +
                      "' to the left camera's '" + left_->frame + "' on";
   for (const std::string& topic : settings_.TopicsOf(RosRole::kTf)) text += " " + topic;
   text += "; transforms there:";
   size_t count = 0;
   for (const auto& [child, pose] : poses_) {
-    if (++count <= kMost) text += " " + pose.parent + " > " + child;
+    if (++count <= kMaxListed) text += " " + pose.parent + " > " + child;
   }
   if (count == 0) text += " none";
-  if (count > kMost) text += " and " + std::to_string(count - kMost) + " more";
+  if (count > kMaxListed) text += " and " + std::to_string(count - kMaxListed) + " more";
   if (!unusable_.empty()) text += "; not usable (no rotation, or not finite):";
   for (const std::string& child : unusable_) text += " " + child;
   if (!moved_.empty()) text += "; of several parents the newest counts:";

@@ -19,7 +19,7 @@ namespace sprout::capture {
 /// A calibrated rig of ROS 2.
 struct RosRig {
   Rig rig;
-  /// Where the points' sensor stands: in the left rectified frame.
+  /// Pose of the points' sensor in the left rectified frame.
   Eigen::Isometry3d left_from_points = Eigen::Isometry3d::Identity();
 };
 
@@ -45,12 +45,12 @@ class RosCalibration {
   /// The rig. An error says what does not fit together. @pre nothing is missing.
   Result<RosRig> Rig() const;
 
-  /// What to say of a range image that names another frame than its CameraInfo, which places it;
-  /// empty: nothing. O(1) where the frames are equal.
+  /// A warning about a range image that names another frame than its CameraInfo, which places it;
+  /// empty: none. O(1) where the frames are equal.
   std::string OtherFrame(const RosBytes& message) const;
 
-  /// What to say of images that are taken for rectified, though neither their topic's name nor
-  /// their CameraInfo, which moves pixels, says so; empty: nothing. @pre nothing is missing.
+  /// A warning about images that are taken for rectified, though neither their topic's name nor
+  /// their CameraInfo, which moves pixels, says so; empty: none. @pre nothing is missing.
   std::string RawImages() const;
 
   /// Stamp of the newest CameraInfo that changed something, µs.

@@ -61,10 +61,10 @@ class FileInput : public RosInput {
 
   std::string Note() const override { return note_; }
 
-  std::string Instead(RosRole /*role*/) override { return TopicsText(); }
+  std::string Alternatives(RosRole /*role*/) override { return TopicsText(); }
 
  private:
-  // What is not there may stand where the file is damaged.
+  // Names the file's damage as well, since a missing topic may be in the damaged part.
   std::string TopicsText() const {
     std::string text = "topics in " + path_ + ":";
     for (const McapTopic& topic : topics_) text += " " + topic.name + " (" + topic.type + ")";
@@ -72,7 +72,7 @@ class FileInput : public RosInput {
     return text + (damage.empty() ? "" : "; the file is damaged: " + damage.front());
   }
 
-  // Whoever misspells a topic should not wait for the end of the file.
+  // Checked before reading, so that nobody waits for the file's end to learn of a misspelt topic.
   void RequireTopics(const RosSettings& settings) const {
     std::vector<std::string> missing;
     for (const RosRole role : kAllRosRoles) {
@@ -153,11 +153,11 @@ class FileInput : public RosInput {
   std::string note_;
   std::map<std::string, std::vector<RosRole>> roles_;  // of a topic, with a slash in front
   McapMessage read_;
-  std::vector<RosRole> roles_to_come_;  // that the message has
+  std::vector<RosRole> roles_to_come_;  // roles of the message in which it was not given yet
   bool is_compressed_ = false;
   std::span<const uint8_t> cdr_;
   McapBytes unpacked_;
-  std::set<std::string> wrong_;
+  std::set<std::string> wrong_;  // topics with a message that cannot be unpacked
   bool has_told_ = false;
 };
 

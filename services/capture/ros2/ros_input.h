@@ -25,9 +25,9 @@ struct RosBytes {
 /// The types that a topic may have; those of images are plain and compressed.
 std::vector<const RosType*> TypesOf(RosRole role);
 
-/// Whom a source tells what, when it happens.
+/// Callbacks by which a source reports what happens.
 struct RosReports {
-  /// What people should know, one line; not empty.
+  /// A line for people; not empty.
   std::function<void(const std::string& line)> tell;
   /// A message of a topic that cannot be used; to be counted. May be empty.
   std::function<void(const std::string& topic, const std::string& why)> refused = {};
@@ -61,11 +61,11 @@ class RosInput {
   virtual bool Next(RosBytes& message, const std::stop_token& stop,
                     Clock::time_point deadline = Clock::time_point::max()) = 0;
 
-  /// What people should know of how topics were found; empty: nothing.
+  /// A line for people about how topics were found; empty: nothing.
   virtual std::string Note() const { return {}; }
 
-  /// What there is instead of a topic without messages, for a line: "topics there: /a, /b".
-  virtual std::string Instead(RosRole role) = 0;
+  /// The topics that there are, for a line about one without messages: "topics there: /a, /b".
+  virtual std::string Alternatives(RosRole role) = 0;
 };
 
 /// Subscribes to the topics, with the reliability and durability that their publishers offer.

@@ -38,17 +38,17 @@ bool IsImage(RosRole role) {
 
 bool IsCalibration(RosRole role) { return !IsImage(role) && role != RosRole::kPoints; }
 
-// The best that is asked for; what publishers do not offer is not insisted on. A camera that is
-// faster than the loop fills no more than `depth`.
+// The best quality of service, tried first. A camera that is faster than the loop fills no more
+// than `depth` messages.
 RosQos BestQos(RosRole role, const std::string& topic) {
-  // /tf has no memory, whoever asks for it gets nothing.
+  // /tf is not latched: a reader that wants it latched gets nothing.
   if (role == RosRole::kTf) {
     return {.reliable = true, .latched = topic.ends_with("/tf_static"), .depth = 100};
   }
   return {.reliable = true, .latched = IsCalibration(role), .depth = 8};
 }
 
-RosQos Least(RosQos wanted, const RosQos& offered) {
+RosQos Compatible(RosQos wanted, const RosQos& offered) {
   wanted.reliable = wanted.reliable && offered.reliable;
   wanted.latched = wanted.latched && offered.latched;
   return wanted;
@@ -104,7 +104,7 @@ class LiveInput : public RosInput {
   bool Next(RosBytes& message, const std::stop_token& stop, Clock::time_point deadline) override {
     while (!stop.stop_requested()) {
       if (waiting_) waiting_("");
-      LookAround();
+      CheckTopics();
       // Topics are read in turn, so that none waits for another one.
       for (size_t i = 0; i < topics_.size(); ++i) {
         next_ = (next_ + 1) % topics_.size();
@@ -118,7 +118,7 @@ class LiveInput : public RosInput {
     return false;
   }
 
-  std::string Instead(RosRole role) override {
+  std::string Alternatives(RosRole role) override {
     const auto topic = std::ranges::find(topics_, role, &LiveTopic::role);
     return topic == topics_.end() ? "" : PublishersText(*topic);
   }
@@ -126,9 +126,9 @@ class LiveInput : public RosInput {
  private:
   void Open(const RosLimits& limits, const std::function<bool(RosRole)>& is_wanted) {
     // CameraInfo and /tf_static are small, but not that small.
-    constexpr size_t kLeast = size_t{1} << 20;
+    constexpr size_t kMinBytes = size_t{1} << 20;
     const size_t of_points = settings_.points.empty() ? 0 : limits.range_bytes;
-    const size_t most = std::max({limits.image_bytes, of_points, kLeast});
+    const size_t most = std::max({limits.image_bytes, of_points, kMinBytes});
     try {
       node_.emplace(RosNodeOptions{.domain = settings_.domain,
                                    .name = "sprout_capture",
@@ -159,7 +159,7 @@ class LiveInput : public RosInput {
 
   bool Take(LiveTopic& topic, RosBytes& message) {
     const std::optional<RosNode::Taken> taken = node_->Take(topic.reader, topic.max_bytes, cdr_);
-    SayReplaced(topic);
+    ReportReplaced(topic);
     if (!taken) return false;
     topic.heard = Clock::now();
     topic.was_heard = true;
@@ -176,8 +176,8 @@ class LiveInput : public RosInput {
     return true;
   }
 
-  // Images and points that were lost here. What came before the first one was taken is nobody's.
-  void SayReplaced(LiveTopic& topic) {
+  // Reports images and points that were lost here, but none from before the first one was taken.
+  void ReportReplaced(LiveTopic& topic) {
     const int64_t replaced = node_->TakeReplaced(topic.reader);
     if (!topic.was_heard || IsCalibration(topic.role)) return;
     for (int64_t i = 0; i < replaced; ++i) {
@@ -195,27 +195,27 @@ class LiveInput : public RosInput {
     return there.of_type == 0 ? OthersText(topic) : fmt::format("{} publishers", there.of_type);
   }
 
-  // A name that was mistyped is seen beside those that there are.
+  // Lists the topics that there are, beside which a mistyped name is seen.
   std::string OthersText(const LiveTopic& topic) {
-    constexpr size_t kMost = 20;
+    constexpr size_t kMaxListed = 20;
     const std::set<std::string> there = node_->TopicsOf(topic.type());
     std::string text = fmt::format(
         "no publisher in domain {}; topics of {} there:", settings_.domain, topic.type().name);
     size_t count = 0;
     for (const std::string& name : there) {
-      if (++count <= kMost) text += " " + Printable(name);
+      if (++count <= kMaxListed) text += " " + Printable(name);
     }
     if (count == 0) text += " none";
-    if (count > kMost) text += fmt::format(" and {} more", count - kMost);
+    if (count > kMaxListed) text += fmt::format(" and {} more", count - kMaxListed);
     return text;
   }
 
-  // What publishers offer, as soon as one of them and our reader did not come together, and each
-  // second in case a better one has taken its place.
-  void Adapt(LiveTopic& topic, const RosNode::Publishers& there) {
+  // Asks for what publishers offer: as soon as DDS could not connect one of them to our reader, and
+  // each second, in case a publisher that offers more has taken its place.
+  void AdaptQos(LiveTopic& topic, const RosNode::Publishers& there) {
     // /tf_static may have several publishers; the latched ones count.
     if (there.of_type == 0 || (topic.role == RosRole::kTf && there.of_type > 1)) return;
-    const RosQos fitting = Least(BestQos(topic.role, topic.name), there.offered);
+    const RosQos fitting = Compatible(BestQos(topic.role, topic.name), there.offered);
     if (fitting == topic.qos) return;
     node_->RemoveReader(topic.reader);
     topic.qos = fitting;
@@ -223,13 +223,13 @@ class LiveInput : public RosInput {
     node_->Announce();
   }
 
-  void LookAround() {
+  void CheckTopics() {
     for (LiveTopic& topic : topics_) {
       const std::string policy = node_->TakeMisfit(topic.reader);
       if (policy.empty()) continue;
       const RosQos before = topic.qos;
       const RosNode::Publishers there = node_->PublishersOf(topic.name, topic.type());
-      Adapt(topic, there);
+      AdaptQos(topic, there);
       // DDS compares policies of other types, too.
       if (topic.qos == before && there.of_type > 0) {
         reports_.tell(
@@ -240,14 +240,14 @@ class LiveInput : public RosInput {
     const auto now = Clock::now();
     if (now < next_look_) return;
     next_look_ = now + std::chrono::seconds(1);
-    for (LiveTopic& topic : topics_) LookAt(topic, now);
+    for (LiveTopic& topic : topics_) CheckTopic(topic, now);
   }
 
-  void LookAt(LiveTopic& topic, Clock::time_point now) {
+  void CheckTopic(LiveTopic& topic, Clock::time_point now) {
     std::erase_if(topic.publishers,
                   [&](const auto& one) { return one.second.newest + kPublisherLives < now; });
-    if (topic.role == RosRole::kTf) return;  // once is enough, and everybody may
-    Adapt(topic, node_->PublishersOf(topic.name, topic.type()));
+    if (topic.role == RosRole::kTf) return;  // transforms may come once, and from several nodes
+    AdaptQos(topic, node_->PublishersOf(topic.name, topic.type()));
     // A latched calibration needs no second message.
     const bool is_known = topic.qos.latched && topic.was_heard;
     if (now >= topic.next_reminder && !is_known) {

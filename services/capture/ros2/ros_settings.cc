@@ -73,7 +73,7 @@ std::optional<Pose> ParsePose(std::string_view text) {
               .translation_m = {numbers[0], numbers[1], numbers[2]}};
 }
 
-// @returns whether it was understood.
+// @returns whether the option is known and its value allowed.
 bool Apply(const scenes::SourceOption& option, RosSettings& settings) {
   if (std::string* const text = TextOf(settings, option.name)) {
     *text = option.value;

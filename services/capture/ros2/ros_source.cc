@@ -35,7 +35,7 @@ class RosOpener {
     return ReadRosFile(settings_, options_.reports);
   }
 
-  /// Images as the cameras see them need no calibration, which may not be there yet.
+  /// For raw images, whose calibration may not exist yet.
   void LeaveOutCalibration() {
     settings_.left_info.clear();
     settings_.right_info.clear();
@@ -78,16 +78,16 @@ RosLimits LimitsFor(cv::Size images, cv::Size tof) {
   return {.image_bytes = kBytesPerPixel * pixels + kHeader};
 }
 
-// Of the range images; nothing where there are none.
+// Size of the range images; nothing where there are none.
 std::optional<cv::Size> RangeSizeOf(const RosSettings& settings, const TofCamera& tof) {
   if (settings.depth.empty()) return std::nullopt;
   return cv::Size(tof.width, tof.height);
 }
 
-// Frames of messages, whatever becomes of them.
+// The frames of a source's messages, rectified or raw as they come.
 class RosFrames : public RawSource {
  public:
-  // @param watch  nothing when CameraInfo does not count.
+  // @param watch  of the calibration by CameraInfo; nothing when that is not read.
   RosFrames(RosOpener opener, std::unique_ptr<RosInput> input, std::optional<cv::Size> size,
             std::optional<cv::Size> range_size, ImageOfPoints image,
             std::optional<RosRigWatch> watch = {})
@@ -157,7 +157,7 @@ class RosFrames : public RawSource {
     if (is_live() && size_->area() > before) input_->StartImages(limits);
   }
 
-  // A frame that has a calibration. What was lost without one coming is reported at once.
+  // A frame that has a calibration. Losses are reported at once when no frame comes to report them.
   std::optional<scenes::CapturedFrame> TakeFrame() {
     while (std::optional<scenes::CapturedFrame> frame = triplets_.Next()) {
       gave_any_ = true;
@@ -191,8 +191,8 @@ class RosFrames : public RawSource {
   LogLimiter change_log_;
   std::optional<scenes::NamedRig> new_rig_ = {};  // for the next frame
   ImageOfPoints image_;
-  mutable RosTriplets triplets_;  // forgets what it has told
-  std::string other_frame_;       // what was told of it
+  mutable RosTriplets triplets_;  // lost_at_end() takes the losses out of it
+  std::string other_frame_;       // newest warning of OtherFrame()
   bool is_at_end_ = false;
   bool gave_any_ = false;
 };
@@ -225,7 +225,7 @@ class RosSource : public scenes::FrameSource {
   std::optional<Rectifier> rectifier_;
 };
 
-// A calibration, and how it was found.
+// A rig, and the calibration that it was made of, which takes later messages.
 struct FoundRig {
   RosCalibration calibration;
   RosRig rig;
@@ -251,7 +251,7 @@ std::optional<FoundRig> FindCalibration(const RosOpener& opener, RosInput& input
     if (!refused.empty()) throw opener.Bad(refused);
     if (*missing == RosRole::kTf) throw opener.Bad(calibration.MissingTransform());
     throw opener.Bad("no message on " + TopicOf(opener.settings(), *missing) + "; " +
-                     input.Instead(*missing));
+                     input.Alternatives(*missing));
   }
   Result<RosRig> rig = calibration.Rig();
   if (!rig) throw opener.Bad(rig.error().text);

@@ -19,10 +19,10 @@ TripletConfig ConfigOf(const RosSettings& settings, bool takes_points) {
           .has_tof = takes_points || !settings.depth.empty()};
 }
 
-// Newest stamps of each camera that WhyUnpaired() looks at: those of a second or two.
+// Number of newest stamps of each camera that WhyUnpaired() compares: those of a second or two.
 constexpr size_t kStamps = 16;
 
-// What `convert` makes of a message's content; its stamp goes to `timed`.
+// Decodes a message and gives its content to `convert`, and its stamp to `timed`.
 template <typename Ros, typename Convert>
 std::invoke_result_t<Convert, const Ros&> Stamped(const RosBytes& message, TimedImage& timed,
                                                   const Convert& convert) {
@@ -34,9 +34,9 @@ std::invoke_result_t<Convert, const Ros&> Stamped(const RosBytes& message, Timed
   return convert(**ros);
 }
 
-// An image that may be compressed.
-// @param size     what it has to have; nothing: any.
-// @param convert  of RosImage, and of RosCompressedImage and the size.
+// Decodes an image that may be compressed.
+// @param size     that it must have; nothing: any.
+// @param convert  takes a RosImage, or a RosCompressedImage and the size.
 template <typename Convert>
 std::invoke_result_t<Convert, const RosImage&> Decoded(const RosBytes& message,
                                                        const std::string& what,
@@ -56,7 +56,7 @@ RigPlace PlaceOf(RosRole role) {
   return role == RosRole::kRight ? RigPlace::kRight : RigPlace::kTof;
 }
 
-// Least distance of stamps of left from those of right.
+// Smallest distance between a stamp of left and one of right, ms.
 double NearestMs(const std::array<std::deque<int64_t>, 2>& stamps) {
   double nearest_ms = std::numeric_limits<double>::infinity();
   for (const int64_t left : stamps[0]) {
@@ -149,7 +149,7 @@ Result<void> RosTriplets::Take(const RosBytes& message) {
     if (!noted) timed = tl::unexpected(noted.error());
   }
   if (!timed) {
-    // Its partner will be counted as a capture that is not whole.
+    // Counted when its partner is found to have none; this is the reason that is then given.
     trouble_ = timed.error().text;
     (place == RigPlace::kTof ? range_trouble_ : refusal_) = trouble_;
     return tl::unexpected(timed.error());
@@ -158,7 +158,7 @@ Result<void> RosTriplets::Take(const RosBytes& message) {
   return {};
 }
 
-// Nothing but its stamp says with which image one belongs.
+// Refuses a stamp that was there before: images are joined by nothing but their stamps.
 Result<void> RosTriplets::NoteStamp(std::deque<int64_t>& stamps, int64_t utime) {
   if (!stamps.empty() && stamps.back() == utime) {
     return Fail(
@@ -178,7 +178,7 @@ void RosTriplets::Use(cv::Size size, std::optional<cv::Size> range_size, ImageOf
   image_of_points_ = std::move(image);
 }
 
-// Stamps that differ, or images that did not come: in a stream whose other images have partners.
+// Why an image has no partner: stamps differ, or single images did not come.
 std::string RosTriplets::WhyUnpaired() const {
   const double nearest_ms = NearestMs(stamps_);
   if (nearest_ms <= max_spread_ms_) {
@@ -189,8 +189,8 @@ std::string RosTriplets::WhyUnpaired() const {
       nearest_ms, max_spread_ms_);
 }
 
-// Of a whole recording; empty: at least half of its images became frames, or none did, which
-// whoever is told of the newest trouble knows.
+// Why most images of a whole recording became no frame; empty when at least half of them did, or
+// when none did, which the newest trouble explains.
 std::string RosTriplets::WhyMostAreLost() const {
   for (size_t side = 0; side < topics_.size(); ++side) {
     if (came_[side] == 0) return "no message came on " + topics_[side];
@@ -213,7 +213,7 @@ scenes::LostFrames RosTriplets::LostSince(bool at_end) {
   if (begins_) unpaired_ = unpaired;
   begins_ = stamps_[0].empty() || stamps_[1].empty();
   scenes::LostFrames lost{.count = unpaired - std::exchange(unpaired_, unpaired)};
-  // A message that was refused explains the image that will lack it.
+  // A message that was refused explains why its partner has none.
   if (lost.count > 0) lost.trouble = trouble_.empty() ? WhyUnpaired() : std::exchange(trouble_, {});
   if (!lost.trouble.empty() && !at_end) return lost;
   if (at_end) {
@@ -235,7 +235,7 @@ scenes::LostFrames RosTriplets::LostSince(bool at_end) {
 }
 
 std::optional<scenes::CapturedFrame> RosTriplets::Next() {
-  // At the end nothing is worth waiting for.
+  // At the end no image is waited for.
   constexpr int64_t kForever = std::numeric_limits<int64_t>::max() / 2;
   std::optional<Triplet> triplet = synchronizer_.Next(is_finished_ ? kForever : newest_utime_);
   if (!triplet) return std::nullopt;

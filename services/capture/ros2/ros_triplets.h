@@ -44,7 +44,7 @@ class RosTriplets {
  public:
   /// @param size        of the images; nothing: any.
   /// @param range_size  of the range images; nothing: any.
-  /// @param image       for points; empty: they are left alone.
+  /// @param image       of points; empty: points are ignored.
   RosTriplets(const RosSettings& settings, std::optional<cv::Size> size,
               std::optional<cv::Size> range_size, ImageOfPoints image);
 
@@ -54,14 +54,14 @@ class RosTriplets {
   /// From now on images have these sizes, and points become this image.
   void Use(cv::Size size, std::optional<cv::Size> range_size, ImageOfPoints image);
 
-  /// No more messages come: what waits for a range image goes without.
+  /// No more messages come: pairs that wait for a range image become frames without one.
   void Finish() { is_finished_ = true; }
 
   /// The next frame, with what was lost before it.
   std::optional<scenes::CapturedFrame> Next();
 
-  /// What was lost since then; at the end also why no range image has ever joined, or most images
-  /// became no frame.
+  /// What was lost since the last frame; at the end also why no range image has ever joined, or
+  /// most images became no frame.
   scenes::LostFrames TakeLost() { return LostSince(/*at_end=*/is_finished_); }
 
  private:
@@ -88,7 +88,7 @@ class RosTriplets {
   std::array<std::deque<int64_t>, 2> stamps_;
   std::array<std::deque<int64_t>, 2> first_stamps_;
   std::array<int64_t, 2> came_{};  // messages of left and right
-  bool begins_ = true;             // until what came before both is forgotten
+  bool begins_ = true;             // until both cameras have sent an image
   double max_spread_ms_;
   CloudWatch cloud_watch_;
   std::string trouble_;

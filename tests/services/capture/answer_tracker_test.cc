@@ -17,7 +17,8 @@ using testing::ElementsAre;
 
 std::string Text(const std::vector<uint8_t>& bytes) { return {bytes.begin(), bytes.end()}; }
 
-// Listens to a server of its own, which hands over in order what is sent.
+// The tracker is connected to a server of the test, which delivers messages in the order of
+// sending.
 class AnswersTest : public ::testing::Test {
  protected:
   void Start(const std::vector<std::string>& stages) {
@@ -122,7 +123,7 @@ TEST_F(PaceTest, WaitsForTheRateBeforeTakingAndNotBeforeSending) {
   pace.Start(start_);
   EXPECT_EQ(pace.DueBeforeTaking(), start_);
   for (int i = 1; i <= 7; ++i) {
-    // A little late each time, which does not add up.
+    // Each frame is taken a little late, which does not add up.
     const auto now = pace.DueBeforeTaking() + milliseconds(10);
     pace.Take(now);
     EXPECT_LE(pace.DueBeforeSending(At(5'000'000), now), now);

@@ -9,7 +9,7 @@ namespace sprout::capture {
 
 inline cv::Mat Picture(cv::Size size, int grey) { return {size, CV_8UC3, cv::Scalar::all(grey)}; }
 
-/// What the cameras of TiltedRig() give of something grey, 2 m away.
+/// A frame of the cameras of TiltedRig(), of a grey wall 2 m away.
 inline scenes::CapturedFrame RawFrame(int grey) {
   const RawRig rig = TiltedRig();
   scenes::CapturedFrame frame;

@@ -23,7 +23,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-// Pictures and rig files.
 class VideoTest : public ::testing::Test {
  protected:
   VideoTest() {
@@ -241,7 +240,7 @@ TEST_F(VideoTest, StartsAListWithTheFirstNumberThatIsThere) {
   EXPECT_FALSE(opened.cameras->Next({}));
 }
 
-// The last frames of a source have no frame behind them that could tell.
+// No later frame can report what was lost at the end of a source.
 TEST_F(VideoTest, CountsFramesOfAnotherSizeAtTheEndOfAList) {
   const std::string lists =
       "opencv:" + WriteList("left", 2, {64, 48}) + "," + WriteList("right", 2, {64, 48});
@@ -279,7 +278,6 @@ TEST_F(VideoTest, WarnsWhenRectificationKeepsLittle) {
               AllOf(HasSubstr("the rectified images show"), HasSubstr("% of what one")));
 }
 
-// A log of raw images.
 class RawLogTest : public VideoTest {
  protected:
   static TestEvent Raw(int64_t seq, Part part, const PartValue& value) {
@@ -299,7 +297,7 @@ class RawLogTest : public VideoTest {
   }
 };
 
-// What every source that rectifies sends when its rig is replaced.
+// Checks what a source that rectifies sends when its rig is replaced.
 void ExpectNewRigBetweenFrames(CaptureFeed& feed) {
   ASSERT_TRUE(feed.current_rig());
   const auto before = feed.Next({}).value();

@@ -20,7 +20,7 @@ std::shared_ptr<CurrentRig> TestRig() {
   return std::make_shared<CurrentRig>(file, "rig.textproto");
 }
 
-// Cameras that give what they are told.
+// Cameras that give the frames of the test.
 class TestCameras : public RawSource {
  public:
   explicit TestCameras(std::deque<scenes::CapturedFrame> frames) : frames_(std::move(frames)) {}

@@ -32,7 +32,7 @@ class RigKeeperTest : public ::testing::Test {
     keeper_.emplace(config_, current_);
   }
 
-  // Of the calibration in use.
+  // A change of the calibration in use, with verdict kWrong.
   RigChange Wrong(const Eigen::Vector3d& right, const Eigen::Vector3d& tof = {0, 0, 0},
                   double range_m = 0) const {
     RigChange change{.newest_frame = {.utime = 1, .seq = 2, .rig_id = current_->Get()->rig_id},

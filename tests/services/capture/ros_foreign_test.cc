@@ -1,4 +1,4 @@
-// Recordings as other people's drivers and recorders make them.
+// Recordings as drivers and recorders of other projects make them.
 #include <gmock/gmock.h>
 #include <zstd.h>
 
@@ -37,7 +37,7 @@ void AddPairs(RosRecording& file, int count) {
   }
 }
 
-// Whoever splits or merges bags may write one topic behind the other.
+// A tool that splits or merges bags may write all of one topic before the next.
 TEST(RosForeign, FramesAreWholeThoughTopicsStandBehindEachOther) {
   RosRecording file(/*chunk_bytes=*/1);
   constexpr int kCount = 20;
@@ -101,7 +101,7 @@ TEST(RosForeign, MessagesMayBePackedOneByOne) {
   EXPECT_THAT(opened.told, testing::ElementsAre(HasSubstr("/left/image: message: ")));
 }
 
-// A bag of ROS 1 that a tool has wrapped in MCAP has every topic, but not one message for us.
+// A bag of ROS 1 that a tool has wrapped in MCAP has every topic, but no message can be read.
 TEST(RosForeign, RosOnesEncodingIsCalledByItsName) {
   const TemporaryDirectory folder;
   McapWriter writer(folder / "file", {.profile = "ros1"});
@@ -116,7 +116,7 @@ TEST(RosForeign, RosOnesEncodingIsCalledByItsName) {
                         ", but in ROS 1's encoding: make a bag of ROS 2 of the ROS 1 bag"));
 }
 
-// What is missing may stand behind the place where the file was cut.
+// A missing topic may be in the part that was cut off.
 TEST(RosForeign, ATopicMayBeMissingBecauseTheFileIsDamaged) {
   RosRecording file(/*chunk_bytes=*/1);
   file.AddCalibration(examples::Rig());
@@ -153,7 +153,7 @@ TEST(RosForeign, TransformsMayBeOnOtherTopics) {
       file.Add(name, ToRosTransforms(kStart, rig, {}));
       const Opened opened = OpenAll(file.Source("&depth=/tof/image"));
       EXPECT_EQ(RigId(opened.source->rig()), RigId(rig)) << name;
-      // Those that are not looked for by name are taken aloud.
+      // Transforms of another namespace are used, with a note.
       EXPECT_EQ(opened.told.size(), std::string(robot) == "/robot1" ? 1U : 0U) << name;
       const Opened asked = OpenAll(file.Source("&depth=/tof/image&tf=" + name));
       EXPECT_EQ(RigId(asked.source->rig()), RigId(rig)) << name;
@@ -199,7 +199,7 @@ TEST(RosForeign, AFrameOfSeveralParentsIsNamed) {
                         "newest counts: sprout_tof_optical_frame; allowed: tf=TOPIC"));
 }
 
-// Of two robots nobody says which one it is.
+// Two robots have transforms, and it is not known of which the cameras are.
 TEST(RosForeign, TransformsOfSeveralRobotsAreNotGuessed) {
   const Rig rig = examples::Rig();
   RosRecording file;
@@ -311,7 +311,7 @@ TEST(RosForeign, ARangeImageMayHaveTheCameraInfoOfAnImage) {
   }
 }
 
-// Of a range image of its own camera the name says whether P or K and D describe it.
+// The name of a range image's topic says whether P, or K and D describe it.
 TEST(RosForeign, ARectifiedRangeImageIsThatOfP) {
   const Rig rig = examples::Rig();
   RosRecording file;
@@ -366,7 +366,7 @@ TEST(RosForeign, ImagesAndRangesMayBeCompressed) {
   EXPECT_FLOAT_EQ(opened.frames[0].tof.depth_m(1, 1), 2.5F);
 }
 
-// That is what images for a calibration are.
+// Images for a calibration have none yet.
 TEST(RosForeign, RawImagesNeedNoCalibration) {
   RosRecording file;
   for (const char* topic : {"/left/image/compressed", "/right/image/compressed"}) {

@@ -2,7 +2,6 @@
 
 #include "tests/services/capture/ros_recording.h"
 
-// Recordings of which most images become no frame.
 namespace sprout::capture {
 namespace {
 

@@ -41,7 +41,7 @@ class RosRecording {
   explicit RosRecording(const std::string& path) : writer_(path, {.profile = "ros2"}) {}
   explicit RosRecording(const Rig& rig) : RosRecording() { AddCalibration(rig); }
 
-  /// One that may have no message. @returns its channel.
+  /// Adds a topic, which may stay without messages. @returns its channel.
   uint16_t AddTopic(const std::string& topic, const RosType& type) {
     const auto [channel, is_new] = channels_.try_emplace(topic);
     if (is_new) {
@@ -99,7 +99,7 @@ class RosRecording {
     AddImage("/right/image", utime, image, time_ns);
   }
 
-  /// What becomes of the bytes of further messages.
+  /// Sets a function that changes the bytes of further messages.
   void Change(std::function<void(std::vector<uint8_t>&)> change) { change_ = std::move(change); }
 
   void Finish() {
@@ -110,7 +110,7 @@ class RosRecording {
 
   std::string path() const { return PathOf(folder_); }
 
-  /// Finishes it. @returns it as a source.
+  /// Finishes the file. @returns the text of a source that names it.
   std::string Source(const std::string& options = "") {
     Finish();
     return capture::Source(folder_, options);

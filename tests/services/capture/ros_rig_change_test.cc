@@ -134,7 +134,7 @@ TEST(RosSource, TellsOnceThatARangeImageIsOfAnotherFrameThanItsCameraInfo) {
                                       "'sprout_tof_optical_frame', whose place is taken"));
 }
 
-// What waits for the calibration says at once why there is none.
+// A source that waits for the calibration reports at once why it has none.
 TEST(RosSource, TellsALiveCameraInfoThatCannotBeUsedBeforeTheWaitIsOver) {
   RosNode camera({.domain = 77, .name = "camera"});
   const RosNode::Handle writer = camera.AddWriter("/left/camera_info", RosTypeOf<RosCameraInfo>(),
@@ -155,7 +155,7 @@ TEST(RosSource, TellsALiveCameraInfoThatCannotBeUsedBeforeTheWaitIsOver) {
   EXPECT_THAT(told.refused, testing::ElementsAre(testing::HasSubstr("/left/camera_info: ")));
 }
 
-// Newer ones take their place in DDS, which does not count them.
+// In DDS newer messages replace those that were not taken, without a count.
 TEST(RosSource, CountsLiveMessagesThatAreNotTakenInTime) {
   RosNode camera({.domain = 78, .name = "camera"});
   const RosNode::Handle left = camera.AddWriter("/left/image", RosTypeOf<RosImage>(), {});

@@ -168,7 +168,7 @@ TEST(RosSource, OneStampAnHourAheadCostsTwoFramesAtMost) {
   }
 }
 
-// A driver that sets no stamps, of whose images nobody knows which belong together.
+// A driver that sets no stamps: its images cannot be joined.
 TEST(RosSource, RefusesImagesWithTheStampOfTheOneBefore) {
   RosRecording file(examples::Rig());
   for (const int64_t utime : {int64_t{0}, int64_t{0}, kStart, kStart + 100'000}) {
@@ -181,7 +181,7 @@ TEST(RosSource, RefusesImagesWithTheStampOfTheOneBefore) {
                                          "before it, none was set; allowed is"));
 }
 
-// Both hosts' clocks differ: no pair ever, so no frame could say it.
+// The clocks of both hosts differ, so there is no pair, and no frame that could report it.
 TEST(RosSource, ReportsLossesWhenTheyHappen) {
   std::vector<std::pair<int64_t, int64_t>> stamps;
   for (int i = 0; i < 5; ++i) {

@@ -130,7 +130,6 @@ TEST_F(SourceFeed, StampsFramesWithTheTimeOfTheirExposureAndCountsWhatWasLost) {
   EXPECT_THAT(monitor_.Snapshot().last_error, ::testing::HasSubstr("packets lost"));
 }
 
-// A camera without a clock.
 class UnstampedCamera : public Camera {
  public:
   UnstampedCamera() : Camera(true) {}

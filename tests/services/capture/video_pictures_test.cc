@@ -10,7 +10,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// A camera of 30 Hz in whose queue pictures wait; behind them the next one has to be waited for.
+// A camera of 30 Hz with pictures in its queue; after them the next picture has to be waited for.
 class Device : public Pictures {
  public:
   explicit Device(std::deque<milliseconds> waiting) : waiting_(std::move(waiting)) {}

@@ -11,8 +11,8 @@ namespace {
 constexpr int64_t kStartUs = 1'700'000'000'000'000;
 constexpr int64_t kHourNs = 3'600'000'000'000;
 
-// A device whose clock is an hour ahead and runs too fast, 10 images a second; each is here 3 ms
-// after its exposure and up to 2 ms more, every 7th 100 ms more.
+// A device whose clock is an hour ahead and runs too fast, 10 images a second. Each arrives 3 to 5
+// ms after its exposure, every 7th 100 ms later.
 class DriftingDevice {
  public:
   explicit DriftingDevice(double drift_ppm) : drift_ppm_(drift_ppm) {}
@@ -53,7 +53,7 @@ TEST(DeviceClock, FindsAnHourOfOffsetAndAHundredPpmOfDrift) {
     for (int64_t i = 0; i < 3000; ++i) {
       const int64_t exposed_us = device.Expose(i, clock);
       const int64_t error_us = clock.HostUs(device.DeviceNs(exposed_us)) - exposed_us;
-      // The first ones may have come late; an offset alone drifts by 1 ms in 10 s.
+      // The first images may have come late; without a slope the time drifts by 1 ms in 10 s.
       if (i >= 10) {
         EXPECT_NEAR(static_cast<double>(error_us), DriftingDevice::kDelayUs, 2100) << i;
       }
@@ -101,7 +101,7 @@ TEST(DeviceClock, BearsPacketsThatAHostHadToWaitFor) {
   DriftingDevice device(0);
   DeviceClock clock;
   for (int64_t i = 0; i < 100; ++i) device.Expose(i, clock);
-  // A second in which nothing was read; all of it is here at the end of it.
+  // Nothing is read for a second, at the end of which all its images arrive at once.
   const int64_t end_us = kStartUs + 112 * 100'000;
   for (int64_t i = 100; i < 112; ++i) {
     EXPECT_FALSE(clock.Add(device.DeviceNs(kStartUs + i * 100'000), end_us));

@@ -44,7 +44,7 @@ CameraEvent Broken() {
   return event;
 }
 
-// Its clock, asked for at a time after the start.
+// A reading of the camera's clock at a time after the start.
 CameraEvent Reading(RigPlace place, int64_t after_us, int64_t wrong_by_ns = 0) {
   const int64_t ahead_ns = static_cast<int64_t>(place) * 3'600'000'000'000;
   return {.kind = CameraEvent::Kind::kClock,
@@ -58,22 +58,22 @@ CameraEvent Opened() { return {.kind = CameraEvent::Kind::kOpened, .text = "it"}
 class Former : public testing::Test {
  protected:
   void SetUp() override {
-    for (const RigPlace place : kRigPlaces) former_.Add(place, Opened());
+    for (const RigPlace place : kRigPlaces) builder_.Add(place, Opened());
   }
 
   std::optional<scenes::CapturedFrame> Take(int64_t index,
                                             const std::vector<RigPlace>& places = {
                                                 kRigPlaces.begin(), kRigPlaces.end()}) {
-    for (const RigPlace place : places) former_.Add(place, Image(place, index));
-    return former_.Next(kStartUtime + index * kPeriodUs + 10'000);
+    for (const RigPlace place : places) builder_.Add(place, Image(place, index));
+    return builder_.Next(kStartUtime + index * kPeriodUs + 10'000);
   }
 
-  FrameBuilder former_{SomeRig()};
+  FrameBuilder builder_{SomeRig()};
 };
 
 TEST_F(Former, GivesTheMiddleOfTheExposureInTheHostsTime) {
   const scenes::CapturedFrame frame = Take(0).value();
-  EXPECT_EQ(frame.utime, kStartUtime + 4000 + 1000);  // and the way, which nobody can know
+  EXPECT_EQ(frame.utime, kStartUtime + 4000 + 1000);  // includes the way, which cannot be measured
   EXPECT_EQ(frame.spread_ms, 0);
   EXPECT_EQ(frame.tof.depth_m.size(), cv::Size(3, 2));
   EXPECT_EQ(frame.left.size(), cv::Size(5, 4));
@@ -84,12 +84,12 @@ TEST_F(Former, GivesTheMiddleOfTheExposureInTheHostsTime) {
 TEST_F(Former, CountsACaptureOnceWhicheverOfItsImagesIsLost) {
   Take(0);
   // Left is lost in 1, right in 2, both in 3.
-  former_.Add(RigPlace::kLeft, Broken());
+  builder_.Add(RigPlace::kLeft, Broken());
   EXPECT_FALSE(Take(1, {RigPlace::kRight, RigPlace::kTof}));
-  former_.Add(RigPlace::kRight, Broken());
+  builder_.Add(RigPlace::kRight, Broken());
   EXPECT_FALSE(Take(2, {RigPlace::kLeft, RigPlace::kTof}));
-  former_.Add(RigPlace::kLeft, Broken());
-  former_.Add(RigPlace::kRight, Broken());
+  builder_.Add(RigPlace::kLeft, Broken());
+  builder_.Add(RigPlace::kRight, Broken());
   const scenes::CapturedFrame frame = Take(4).value();
   EXPECT_EQ(frame.lost, 3);
   EXPECT_EQ(frame.trouble,
@@ -107,7 +107,7 @@ TEST_F(Former, DoesNotCountWhatComesBeforeAllCamerasAreThere) {
 
 TEST_F(Former, GoesOnWithoutATofCameraThatIsGone) {
   Take(0);
-  former_.Add(RigPlace::kTof, {.kind = CameraEvent::Kind::kGone, .text = "gone"});
+  builder_.Add(RigPlace::kTof, {.kind = CameraEvent::Kind::kGone, .text = "gone"});
   const scenes::CapturedFrame frame = Take(1, {RigPlace::kLeft, RigPlace::kRight}).value();
   EXPECT_TRUE(frame.tof.depth_m.empty());
   EXPECT_EQ(frame.lost, 0);
@@ -115,19 +115,19 @@ TEST_F(Former, GoesOnWithoutATofCameraThatIsGone) {
 }
 
 TEST_F(Former, SaysWhyThereIsNoFrame) {
-  EXPECT_EQ(former_.NewTrouble(), "");
-  former_.Add(RigPlace::kLeft, {.kind = CameraEvent::Kind::kGone, .text = "gone"});
-  EXPECT_EQ(former_.NewTrouble(), "left camera (serial 1): gone");
-  EXPECT_EQ(former_.NewTrouble(), "");
-  former_.Add(RigPlace::kLeft, Opened());
-  // Half a period apart.
+  EXPECT_EQ(builder_.NewTrouble(), "");
+  builder_.Add(RigPlace::kLeft, {.kind = CameraEvent::Kind::kGone, .text = "gone"});
+  EXPECT_EQ(builder_.NewTrouble(), "left camera (serial 1): gone");
+  EXPECT_EQ(builder_.NewTrouble(), "");
+  builder_.Add(RigPlace::kLeft, Opened());
+  // The cameras expose half a period apart.
   Take(0, {RigPlace::kLeft});
   CameraEvent late = Image(RigPlace::kRight, 0);
   late.image.arrived_utime += 50'000;
-  former_.Add(RigPlace::kRight, std::move(late));
-  EXPECT_FALSE(former_.Next(kStartUtime + 60'000));
-  EXPECT_THAT(former_.NewTrouble(), HasSubstr("left camera's 1 images and the right one's 1 are "
-                                              "within max_spread_ms = 5; trigger = SOFTWARE"));
+  builder_.Add(RigPlace::kRight, std::move(late));
+  EXPECT_FALSE(builder_.Next(kStartUtime + 60'000));
+  EXPECT_THAT(builder_.NewTrouble(), HasSubstr("left camera's 1 images and the right one's 1 are "
+                                               "within max_spread_ms = 5; trigger = SOFTWARE"));
 }
 
 TEST(GenicamSource, TellsForWhatItWaits) {
@@ -147,7 +147,7 @@ TEST_F(Former, TellsWhenAClockJumps) {
   for (int64_t i = 30; i < 50; ++i) {
     CameraEvent jumped = Image(RigPlace::kRight, i);
     jumped.image.device_ns += 250'000'000;
-    former_.Add(RigPlace::kRight, std::move(jumped));
+    builder_.Add(RigPlace::kRight, std::move(jumped));
     if (const auto frame = Take(i, {RigPlace::kLeft, RigPlace::kTof})) trouble += frame->trouble;
   }
   EXPECT_THAT(trouble, HasSubstr("right camera (serial 2): its clock jumped by +250.0 ms"));
@@ -155,15 +155,15 @@ TEST_F(Former, TellsWhenAClockJumps) {
 }
 
 TEST_F(Former, TakesTheTimeFromTheDevicesClockWhereItCanBeRead) {
-  for (const RigPlace place : kRigPlaces) former_.Add(place, Reading(place, 0));
+  for (const RigPlace place : kRigPlaces) builder_.Add(place, Reading(place, 0));
   for (int64_t i = 0; i < 20; ++i) {
     for (const RigPlace place : kRigPlaces) {
       CameraEvent event = Image(place, i);
       // A ToF camera computes before it sends.
       if (place == RigPlace::kTof) event.image.arrived_utime += 150'000;
-      former_.Add(place, std::move(event));
+      builder_.Add(place, std::move(event));
     }
-    const auto frame = former_.Next(kStartUtime + i * kPeriodUs + 200'000).value();
+    const auto frame = builder_.Next(kStartUtime + i * kPeriodUs + 200'000).value();
     EXPECT_EQ(frame.utime, kStartUtime + i * kPeriodUs + 4000);
     EXPECT_EQ(frame.spread_ms, 0);
     EXPECT_FALSE(frame.tof.depth_m.empty());
@@ -172,16 +172,16 @@ TEST_F(Former, TakesTheTimeFromTheDevicesClockWhereItCanBeRead) {
 
 TEST_F(Former, ReadsAClockAnewThatJumped) {
   for (int64_t i = 0; i < 20; ++i) {
-    for (const RigPlace place : kRigPlaces) former_.Add(place, Reading(place, i * kPeriodUs));
+    for (const RigPlace place : kRigPlaces) builder_.Add(place, Reading(place, i * kPeriodUs));
     EXPECT_TRUE(Take(i));
   }
   constexpr int64_t kJumpNs = 5'000'000'000;
   std::string trouble;
   for (int64_t i = 20; i < 40; ++i) {
-    former_.Add(RigPlace::kRight, Reading(RigPlace::kRight, i * kPeriodUs, kJumpNs));
+    builder_.Add(RigPlace::kRight, Reading(RigPlace::kRight, i * kPeriodUs, kJumpNs));
     CameraEvent event = Image(RigPlace::kRight, i);
     event.image.device_ns += kJumpNs;
-    former_.Add(RigPlace::kRight, std::move(event));
+    builder_.Add(RigPlace::kRight, std::move(event));
     const auto frame = Take(i, {RigPlace::kLeft, RigPlace::kTof});
     if (frame) trouble += frame->trouble;
     EXPECT_EQ(frame.has_value(), i > 24) << i;
@@ -190,11 +190,11 @@ TEST_F(Former, ReadsAClockAnewThatJumped) {
 }
 
 TEST_F(Former, DoesNotBelieveAClockThatIsNotThatOfTheImages) {
-  former_.Add(RigPlace::kRight, Reading(RigPlace::kRight, 0, 7'000'000'000));
+  builder_.Add(RigPlace::kRight, Reading(RigPlace::kRight, 0, 7'000'000'000));
   int64_t frames = 0;
   std::string trouble;
   for (int64_t i = 0; i < 30; ++i) {
-    former_.Add(RigPlace::kRight, Reading(RigPlace::kRight, i * kPeriodUs, 7'000'000'000));
+    builder_.Add(RigPlace::kRight, Reading(RigPlace::kRight, i * kPeriodUs, 7'000'000'000));
     const auto frame = Take(i);
     if (!frame) continue;
     ++frames;

@@ -89,7 +89,7 @@ TEST(Scan3d, PartsOfAMultipartPayloadAreToldApart) {
   const auto amplitude = Bytes<uint16_t>({10, 20, 30, 40});
   const auto confidence = Bytes<uint16_t>({7, 0, 9, 9});
   const auto confidence8 = Bytes<uint8_t>({7, 0, 9, 9});
-  // In any order; the amplitude counts before the confidence.
+  // Parts may come in any order; the amplitude is taken rather than the confidence.
   const TofImage all = Required(ToTofImage(
       std::vector{Part(PixelFormat::kMono16, 2, 2, amplitude, PartContent::kImage),
                   Part(PixelFormat::kConfidence16, 2, 2, confidence, PartContent::kConfidence),
