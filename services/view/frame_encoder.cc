@@ -11,7 +11,7 @@
 namespace sprout::view {
 namespace {
 
-// One for the page that follows the graph, others for pages that stopped to look.
+// Frames that are kept decoded: one for pages that follow the graph, others for paused pages.
 constexpr size_t kMaxDecoded = 3;
 constexpr size_t kMaxCacheBytes = size_t{64} << 20;
 
@@ -54,7 +54,7 @@ Part SourceOf(Picture picture) {
                                                                        : Part::kDisparity;
 }
 
-// Where a stage gives a map, but no disparity in it, the prior's are what there is.
+// The disparity map, or the prior where that has no valid pixel.
 const DisparityImage* MapOf(DecodedFrame& frame) {
   const auto* map = frame.Get<DisparityImage>(Part::kDisparity);
   if (map != nullptr && !map->empty()) return map;
@@ -123,7 +123,7 @@ void FrameEncoder::FollowRanges(DecodedFrame& frame) {
   }
 }
 
-// A picture, smaller than what it shows.
+// A picture that is made smaller, and the text and scale that go with it.
 struct FrameEncoder::Drawing {
   cv::Mat image;
   cv::Size full;

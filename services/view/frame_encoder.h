@@ -53,7 +53,7 @@ class FrameEncoder {
   /// The packet of a frame: head {type: "frame", key, version, seq, utime, width, height, scales:
   /// {disparity: {min, max}, ...}, keys, channels: of its messages, parts}. Missing parts are left
   /// out.
-  /// @param keys  that the page can look at; goes into the head.
+  /// @param keys  of the frames that the page can ask for; goes into the head.
   std::string Encode(const StoredFramePtr& frame, const ShownParts& shown, const KeyRange& keys);
 
   /// A single picture; null when the frame does not have it.
@@ -87,7 +87,7 @@ class FrameEncoder {
   StableRange calm_disparity_;
   StableRange calm_depth_;
   ValueRange disparity_px_;
-  ValueRange depth_m_{.min = 0.1, .max = 1};  // coloured by 1/depth, so never from 0
+  ValueRange depth_m_{.min = 0.1, .max = 1};  // min > 0, since colours go by 1/depth
 };
 
 }  // namespace sprout::view

@@ -24,10 +24,10 @@ constexpr std::array kShownParts = {Part::kLeft,  Part::kTof,       Part::kSeeds
 constexpr seconds kMinPatience{3};
 constexpr seconds kMaxPatience{30};
 
-// What a message takes beside its bytes.
+// Memory of a message besides its bytes.
 constexpr size_t kOverheadBytes = 256;
 
-// How long messages are kept that belong to no frame, when no frame comes.
+// How long messages that belong to no frame are kept while no frame comes, µs.
 constexpr int64_t kIdleUtime = 300'000'000;
 
 constexpr size_t kMaxRigs = 16;
@@ -83,7 +83,7 @@ Result<bool> FrameRing::Add(std::string_view channel, std::span<const uint8_t> b
   return announced;
 }
 
-// It may come behind the first frames that it belongs to.
+// Adds the calibration also to earlier frames: it may come after the first that it belongs to.
 void FrameRing::AddRig(const FrameId& id, const StoredBytes& bytes) {
   std::erase_if(rigs_, [&](const auto& rig) { return rig.first == id.rig_id; });
   rigs_.emplace_back(id.rig_id, bytes);

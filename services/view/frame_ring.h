@@ -79,9 +79,9 @@ class FrameRing : public FrameSource {
   mutable std::mutex mutex_;
   std::deque<Event> events_;  // in order of arrival
   size_t event_bytes_ = 0;
-  int64_t dropped_events_ = 0;         // so many came before the first of events_
+  int64_t dropped_events_ = 0;         // number of the first of events_, since the start
   std::deque<StoredFramePtr> frames_;  // by key, without gaps
-  std::deque<int64_t> started_;        // of each of them the first message, by the order of arrival
+  std::deque<int64_t> started_;        // number of the first event of each frame, since the start
   std::deque<std::pair<std::string, StoredBytes>> rigs_;  // by rig_id, the newest few
   std::array<Pace, kPartCount> paces_;
   StoredFramePtr newest_;

@@ -23,7 +23,7 @@ constexpr uint32_t kMaxHeaderBytes = 8192;
 constexpr std::chrono::seconds kReadTime{30};
 constexpr std::chrono::seconds kWriteTime{120};
 
-// The page is made of its own files alone, is shown in no frame, and read by no other page.
+// Headers that forbid the page to load other sites' files, and other sites to frame or read it.
 template <typename Body>
 void SetHeaders(http::response<Body>& response, const HttpReply& reply, const std::string& host) {
   response.set(http::field::content_type, reply.type);
@@ -69,8 +69,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     host_ = IsOwnHost(request.host) ? std::string(request.host) : std::string();
     const bool is_upgrade = beast::websocket::is_upgrade(request_);
     if (is_upgrade || request.target == "/ws") return ServeWebSocket(request, is_upgrade);
-    // Making the answer may take a second: not here, where everybody would wait. The connection
-    // goes back to the thread of the sockets, which alone may end it.
+    // Making the answer may take a second, so another thread does that. It returns the connection
+    // to the thread of the sockets, which alone may destroy it.
     boost::asio::post(state_.requests, [self = shared_from_this()]() mutable {
       HttpConnection& connection = *self;
       auto reply = std::make_shared<HttpReply>(
@@ -80,7 +80,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     });
   }
 
-  // A browser tells a page nothing of why its WebSocket was refused. So the page may ask by a plain
+  // A browser does not tell a page why its WebSocket was refused, so the page asks again by a plain
   // request.
   void ServeWebSocket(const HttpRequest& request, bool is_upgrade) {
     const auto refuse = [this](int status, const char* text) {
@@ -110,7 +110,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     beast::file_posix file;
     try {
       file.native_handle(reply.file->OpenForReading());
-    } catch (const std::exception& e) {  // as without a descriptor left
+    } catch (const std::exception& e) {  // such as no file descriptor left
       return Write({.status = 500, .body = e.what() + std::string("\n")});
     }
     beast::error_code error;
@@ -119,7 +119,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     Send(std::move(response), std::move(reply));
   }
 
-  // What the reply holds it holds until it is sent.
+  // Keeps the reply, and the file that it holds, until it is sent.
   template <typename Body>
   void Send(std::shared_ptr<http::response<Body>> response, HttpReply reply) {
     response->version(11);
@@ -146,7 +146,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   beast::flat_buffer buffer_{kMaxHeaderBytes * 2};
   std::optional<http::request_parser<http::empty_body>> parser_;
   ParsedRequest request_;
-  std::string host_;  // checked
+  std::string host_;  // header Host of the request, checked by IsOwnHost()
   bool keep_alive_ = true;
 };
 

@@ -22,8 +22,8 @@
 namespace sprout::view {
 namespace {
 
-// Whoever looks is told of new frames this often.
-constexpr std::chrono::milliseconds kTell{200};
+// How often pages learn of new frames.
+constexpr std::chrono::milliseconds kNotifyPeriod{200};
 
 StatusBoard::Clock::time_point AsTime(int64_t utime) {
   return StatusBoard::Clock::time_point(std::chrono::microseconds(utime));
@@ -31,7 +31,7 @@ StatusBoard::Clock::time_point AsTime(int64_t utime) {
 
 constexpr std::chrono::milliseconds kPoll{50};
 
-// A frame without the parts that are not rated, and those that take long to decode.
+// A frame with the parts by which it is rated: others would only take time to decode.
 StoredFramePtr Rated(const StoredFrame& frame) {
   auto rated = std::make_shared<StoredFrame>(frame);
   for (const Part part : {Part::kPrior, Part::kUnfilled, Part::kDepth, Part::kCloud}) {
@@ -71,7 +71,7 @@ void LogFile::Read(const std::stop_token& stop) {
       Add(event);
       progress_ = static_cast<double>(reader_.position()) / static_cast<double>(reader_.size());
       if (std::chrono::steady_clock::now() < next) continue;
-      next = std::chrono::steady_clock::now() + kTell;
+      next = std::chrono::steady_clock::now() + kNotifyPeriod;
       changed_();
     }
   } catch (const std::exception& e) {
@@ -200,7 +200,7 @@ std::vector<int64_t> SpreadOrder(int64_t count, int64_t most) {
   const int64_t chosen = std::min(count, most);
   int64_t slots = 1;
   while (slots < chosen) slots *= 2;
-  // The bits of 0, 1, 2, ... from behind: 0, ½, ¼, ¾, ...
+  // Van der Corput's sequence, the bits of 0, 1, 2, ... reversed: 0, ½, ¼, ¾, ...
   for (int64_t i = 0; i < slots; ++i) {
     int64_t reversed = 0;
     for (int64_t bit = 1, mirror = slots / 2; bit < slots; bit *= 2, mirror /= 2) {

@@ -46,7 +46,7 @@ class LogFile : public FrameSource {
 
   void SetQuality(int64_t key, Quality quality);
 
-  /// Marks the end of the qualities.
+  /// Says that no more qualities will come.
   void Settle() { settled_ = true; }
 
   /// For the time line: {first, last, complete, settled, complaint, buckets: [{key, seq, utime,

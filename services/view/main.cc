@@ -138,7 +138,7 @@ void Serve(const ServiceContext& context, const Server& server, const Options& o
   }
 }
 
-// What a page is told first, and what once a second; board and history are JSON already.
+// The first message to a page, and that of every second. Board and history are JSON already.
 std::string Hello(nlohmann::json facts, const StatusHistory& history) {
   facts["type"] = "hello";
   facts["version"] = Version();
@@ -195,11 +195,11 @@ int ShowGraph(const ServiceContext& context, const Options& options) {
   return 0;
 }
 
-// Where a page of the log starts, when that is known; and what the matter is.
+// The frames of the log, what is wrong with it, and the key of --frame once that is found.
 nlohmann::json StartOf(const LogFile& log, std::optional<int64_t> frame) {
   nlohmann::json facts{{"keys", KeysOf(log)}, {"complaint", log.complaint()}};
   if (!frame) return facts;
-  const bool is_read = log.progress() >= 1;  // before it is looked for
+  const bool is_read = log.progress() >= 1;  // asked before KeyOf(), or the end could be missed
   if (const std::optional<int64_t> key = log.KeyOf(*frame)) {
     facts["start"] = *key;
   } else if (is_read) {

@@ -87,7 +87,7 @@ ValueRange DepthRangeOf(const DisparityImage& map, const RectifiedPair& pair) {
   if (values.empty()) return {0.1, 1};
   const double nearest = *std::ranges::min_element(values);
   ValueRange range = RobustRange(std::move(values));
-  range.min = std::max(range.min, nearest);  // rounded outward it may be 0
+  range.min = std::max(range.min, nearest);  // rounding outwards may have made it 0
   return range;
 }
 

@@ -15,7 +15,7 @@ namespace websocket = beast::websocket;
 
 constexpr size_t kMaxWishBytes = 4096;
 
-// A page that neither takes nor sends anything for so long is gone.
+// A page that neither receives nor sends anything for so long counts as closed.
 constexpr std::chrono::seconds kIdleTime{60};
 
 }  // namespace
@@ -73,7 +73,7 @@ void PageConnection::OnRead(beast::error_code error) {
   Read();
 }
 
-// The connection goes back to the thread of the sockets, which alone may end it.
+// The connection is returned to the thread of the sockets, which alone may destroy it.
 template <typename Work>
 void PageConnection::SendLater(Work work, bool is_text, bool PageConnection::*busy) {
   this->*busy = true;

@@ -29,14 +29,14 @@ void ForEachSeed(DecodedFrame& frame, const Visit& visit) {
   }
 }
 
-// The value of a map at a pixel that it may not have: stages are other people's programs.
+// The value of a map at a pixel; nothing beyond it, since a stage may send a map of another size.
 template <typename T>
 std::optional<T> ValueAt(const cv::Mat& map, int u, int v) {
   if (u < 0 || v < 0 || u >= map.cols || v >= map.rows) return std::nullopt;
   return map.at<T>(v, u);
 }
 
-// The disparity there, px.
+// The disparity at a pixel, px; nothing where there is none.
 std::optional<double> PxAt(const DisparityImage& map, int u, int v) {
   const auto count = ValueAt<int16_t>(map.counts(), u, v);
   if (!count || *count == DisparityImage::kInvalid) return std::nullopt;

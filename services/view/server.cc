@@ -29,7 +29,7 @@ Server::Server(const std::string& address, uint16_t port, ServerParts parts)
   thread_ = std::jthread([this] { state_.sockets.run(); });
 }
 
-// Handlers that never ran hold connections, which use the rest: they go first.
+// Destroys handlers that never ran before the members that their connections use.
 Server::~Server() {
   state_.sockets.stop();
   thread_.join();
@@ -66,7 +66,7 @@ void Server::Listen(const std::string& address, uint16_t port) {
 void Server::Accept() {
   acceptor_.async_accept([this](boost::system::error_code error, tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
-    if (error) {  // no descriptor left, say: not at once again
+    if (error) {  // such as no file descriptor left, so it waits before the next try
       retry_.expires_after(std::chrono::milliseconds(100));
       return retry_.async_wait([this](boost::system::error_code) { Accept(); });
     }

@@ -7,7 +7,7 @@
 namespace sprout::view {
 namespace {
 
-// Names are free, so anybody could invent more.
+// Bounds the memory, since a process may send any name of a stage.
 constexpr size_t kMaxStages = 32;
 
 int64_t LostOf(const StageStatus& status) {
@@ -22,21 +22,21 @@ void StatusHistory::Add(const StageStatus& status, int64_t utime,
   const std::lock_guard lock(mutex_);
   board_.Add(status, now);
   newest_ = now;
-  if (courses_.size() == kMaxStages && !courses_.contains(status.stage)) return;
-  Course& course = courses_[status.stage];
-  const int64_t seen = course.seen++;
-  if (seen % course.step != 0) return;
-  // The clock was set back: plots would run to and fro.
-  while (!keep_all_ && !course.samples.empty() && course.samples.back().utime > utime) {
-    course.samples.pop_back();
+  if (samples_.size() == kMaxStages && !samples_.contains(status.stage)) return;
+  Samples& kept = samples_[status.stage];
+  const int64_t seen = kept.seen++;
+  if (seen % kept.step != 0) return;
+  // The clock was set back: plots need times that rise.
+  while (!keep_all_ && !kept.samples.empty() && kept.samples.back().utime > utime) {
+    kept.samples.pop_back();
   }
-  course.samples.push_back({utime, seen, status});
-  if (course.samples.size() <= kMaxSamples) return;
+  kept.samples.push_back({utime, seen, status});
+  if (kept.samples.size() <= kMaxSamples) return;
   if (keep_all_) {
-    course.step *= 2;
-    std::erase_if(course.samples, [&](const Sample& s) { return s.seen % course.step != 0; });
+    kept.step *= 2;
+    std::erase_if(kept.samples, [&](const Sample& s) { return s.seen % kept.step != 0; });
   } else {
-    course.samples.pop_front();
+    kept.samples.pop_front();
   }
 }
 
@@ -53,9 +53,9 @@ StatusBoard::Clock::time_point StatusHistory::newest() const {
 std::string StatusHistory::HistoryText() const {
   const std::lock_guard lock(mutex_);
   nlohmann::json stages = nlohmann::json::object();
-  for (const auto& [stage, course] : courses_) {
-    nlohmann::json columns;  // a course has a sample at least
-    for (const Sample& sample : course.samples) {
+  for (const auto& [stage, kept] : samples_) {
+    nlohmann::json columns;  // not empty: each stage has a sample
+    for (const Sample& sample : kept.samples) {
       columns["t"].push_back(static_cast<double>(sample.utime) * 1e-6);
       columns["rate_hz"].push_back(sample.status.rate_hz);
       columns["age_p50_ms"].push_back(sample.status.age.p50_ms);

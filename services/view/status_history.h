@@ -41,10 +41,10 @@ class StatusHistory {
  private:
   struct Sample {
     int64_t utime;
-    int64_t seen;  // how many came before
+    int64_t seen;  // number of statuses that came before
     StageStatus status;
   };
-  struct Course {
+  struct Samples {
     std::deque<Sample> samples;
     int64_t seen = 0;
     int64_t step = 1;
@@ -54,7 +54,7 @@ class StatusHistory {
   StatusBoard board_;
   bool keep_all_;
   StatusBoard::Clock::time_point newest_{};
-  std::map<std::string, Course> courses_;
+  std::map<std::string, Samples> samples_;
 };
 
 }  // namespace sprout::view

@@ -18,7 +18,7 @@ constexpr int kMinWidth = 16;
 constexpr int kMaxWidth = 4096;
 constexpr double kMaxTargetDistance = 10000;  // m
 
-// A whole number; JSON has others, too.
+// A whole number of a message; nothing for any other value.
 std::optional<int64_t> NumberOf(const nlohmann::json& message, const char* name) {
   const auto found = message.find(name);
   if (found == message.end() || !found->is_number_integer()) return std::nullopt;
@@ -46,7 +46,7 @@ Result<ShownParts> ShownPartsOf(const nlohmann::json& message) {
   return parts;
 }
 
-// A rectangle; whether it lies in the image shows when it is measured.
+// A rectangle of a message. TargetMeter checks whether it lies in the image.
 Result<std::optional<cv::Rect>> RectOf(const nlohmann::json& message, const char* name) {
   const auto found = message.find(name);
   if (found == message.end()) return std::optional<cv::Rect>();
@@ -88,7 +88,7 @@ Result<void> TargetPanel::Begin(const Rig& rig, cv::Size size) {
   if (meter_ && rig_id == rig_id_ && size == rig.pair.size()) return {};
   meter_.reset();
   keys_.clear();
-  // The region is known only once it is checked.
+  // The number of frames depends on the region's size, which is known only once it is checked.
   settings_.count = kMaxFrames;
   Result<TargetMeter> meter = TargetMeter::For(settings_, rig.pair, size);
   if (!meter) return tl::unexpected(meter.error());
@@ -226,7 +226,7 @@ void ViewSession::Keep() {
   if (!live_) return;
   live_ = false;
   std::vector<StoredFramePtr> frames = source_.Snapshot();
-  // The newest first: what does not fit any more is the oldest.
+  // From the newest on, so that the oldest are left out when the memory does not suffice.
   for (auto frame = frames.rbegin(); frame != frames.rend(); ++frame) {
     if (!budget_.Take((*frame)->bytes())) break;
     kept_bytes_ += (*frame)->bytes();

@@ -23,14 +23,14 @@ namespace sprout::view {
 /// have the calibration of the first one; with another it begins anew. For one thread.
 class TargetPanel {
  public:
-  /// What the depths of one page may take: the more pixels, the fewer frames.
+  /// Memory for the depths of one page, bytes: the more pixels, the fewer frames.
   static constexpr size_t kMaxBytes = size_t{64} << 20;
   static constexpr size_t kMaxFrames = 40;
 
-  /// @param settings  `count` is not looked at.
+  /// @param settings  `count` is replaced.
   explicit TargetPanel(TargetSettings settings) : settings_(std::move(settings)) {}
 
-  /// What there is to tell with this frame, which is added unless it was before: {region: [left,
+  /// The figures with this frame, which is added unless it was before: {region: [left,
   /// top, width, height], edge, frames, figures: [{name, title, text, meaning}]} or {error: why}.
   /// O(pixels of the region · frames).
   nlohmann::json Show(DecodedFrame& frame);

@@ -72,7 +72,7 @@ class App {
   }
 
   hello(message) {
-    // After another start it may show another log, or the graph: nothing of what was is kept.
+    // A server that was started again may show another log, or the graph, so nothing is kept.
     const shows = ({mode, file, prefix}) => `${mode} ${file} ${prefix}`;
     if (this.greeting && shows(this.greeting) !== shows(message)) return location.reload();
     this.greeting = message;
@@ -90,7 +90,7 @@ class App {
     this.say('', false);
   }
 
-  // Once, as soon as it is known where the frame stands that the log was to be opened at.
+  // Goes to the frame of --frame once, as soon as its key is known.
   start(message) {
     if (this.started || message.start === undefined) return false;
     this.started = true;
@@ -173,11 +173,11 @@ class App {
     this.times = this.times.filter((time) => now - time < 3000);
     byId('rate').textContent = this.times.length > 1 ?
         (1000 * (this.times.length - 1) / (this.times.at(-1) - this.times[0])).toFixed(1) : '–';
-    // A picture that no other follows grows older.
+    // The age of a picture grows while no other follows.
     if (now - this.drawn > 1000) this.showFacts(this.head);
   }
 
-  // At the pace at which the frames of the log were taken.
+  // Plays at the pace at which the frames of the log were taken.
   playOn(before) {
     if (this.key >= this.keys[1]) return this.stop();
     const pace = before && before.key === this.key - 1 ? (this.head.utime - before.utime) / 1000 : 0;
@@ -217,7 +217,7 @@ class App {
   }
 
   step(count) {
-    // From the frame that was asked for last: keys repeat faster than frames are drawn.
+    // Steps from the frame that was asked for last: keys repeat faster than frames are drawn.
     const from = this.playing ? this.key : this.wanted ?? this.key;
     this.look(from + count);
   }

@@ -148,7 +148,7 @@ export class Cloud {
   render() {
     if (!this.renderer || !this.pane.view.clientWidth) return;
     if (this.part) {
-      // Points as large as the gaps between them.
+      // Makes points as large as the gaps between them.
       const away = this.camera.position.distanceTo(this.controls.target) / (this.median ?? 1);
       const pixel = this.pane.view.clientHeight * devicePixelRatio / this.part.rows;
       this.material.size = Math.max(1, Math.min(8, Math.ceil(pixel / away)));

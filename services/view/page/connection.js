@@ -1,4 +1,4 @@
-// The WebSocket: says what the page wants, takes frames apart, and comes back by itself.
+// The WebSocket: sends what the page wants, takes frames apart, and reconnects by itself.
 
 const kFirstWait = 300;  // ms until it is tried again; doubled up to the longest
 const kLongestWait = 3000;

@@ -1,6 +1,6 @@
 // Buttons and keys.
 
-// With the messages that a frame must have for it.
+// Files that can be saved, with the messages that a frame must have for each.
 const kFiles = {
   'left.png': ['LEFT'], 'right.png': ['RIGHT'], 'disparity.png': ['DISPARITY'], 'prior.png': ['PRIOR'],
   'confidence.png': ['CONFIDENCE'], 'disparity.pfm': ['DISPARITY'], 'prior.pfm': ['PRIOR'], 'sigma.pfm': ['SIGMA'],

@@ -1,4 +1,4 @@
-// What is known of the pixel under the mouse: asked for one pixel at a time, the newest.
+// Values at the pixel under the mouse. One pixel is asked for at a time, the newest.
 
 const text = (value, digits, unit) =>
   value === undefined ? '–' : `${value.toFixed(digits)}${unit ? ` ${unit}` : ''}`;
@@ -12,14 +12,14 @@ export class Hover {
     this.hint = root.innerHTML;
   }
 
-  /// The mouse is at a pixel, or at none.
+  /// Called when the mouse is at another pixel, or at none.
   at(u, v) {
     this.pixel = u === undefined ? undefined : [u, v];
     this.panes.mark(this.pixel);
     if (this.pixel) this.ask();
   }
 
-  /// There is another frame.
+  /// Called when another frame is shown.
   ask() {
     if (!this.pixel) return;
     this.panes.mark(this.pixel);

@@ -149,7 +149,7 @@ export class Panes {
     this.changed();
   }
 
-  /// One pane large, or all again.
+  /// Shows one pane large, or all again.
   enlarge(i) {
     const pane = i === undefined ? undefined : this.panes.get(kPanes[i].name);
     const again = !pane || pane.element.classList.contains('big');
@@ -245,7 +245,7 @@ export class Panes {
     return u >= 0 && v >= 0 && u < this.size[0] && v < this.size[1] ? [u, v] : undefined;
   }
 
-  // A rectangle drawn with the mouse, while somebody wants one.
+  // Lets the mouse draw a rectangle while onRect() has a function.
   addDrawing(pane, view) {
     let from;
     const rectTo = (event) => {
@@ -264,7 +264,7 @@ export class Panes {
     };
     view.onpointerup = view.onpointercancel = (event) => {
       this.drawing = undefined;
-      // A click draws nothing.
+      // A click is no rectangle.
       const rect = from && this.onRect && event.type === 'pointerup' ? rectTo(event) : undefined;
       from = undefined;
       if (rect && rect[2] > 4 && rect[3] > 4) this.onRect(rect, event.shiftKey);

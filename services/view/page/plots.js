@@ -1,4 +1,4 @@
-// A row for each process: what its status says now, and how it went in the last minutes.
+// A row for each process: its newest status, and plots of the last minutes.
 
 const kMaxSamples = 900;
 const kSpan = 300;  // s that a plot of a running graph shows
@@ -34,7 +34,7 @@ export class Plots {
     root.append(this.table, this.remark);
   }
 
-  /// What the server heard before the page was opened. @param whole  plots show all of it (a log).
+  /// Takes the statuses from before the page was opened. @param whole  plots show all (a log).
   start(history, whole) {
     [this.courses, this.whole] = [history, whole];
   }

@@ -26,7 +26,7 @@ export class Target {
     else this.connection().send({type: 'measure', off: true});
   }
 
-  /// A rectangle was drawn.
+  /// Called when a rectangle was drawn.
   drawn(rect, isEdge) {
     if (isEdge) this.edge = rect;
     else this.region = rect;

@@ -1,4 +1,4 @@
-// Where one is among the frames: a slider, and above it, for a log, thumbnails and the quality.
+// The time line: a slider over the frames, and above it, for a log, thumbnails and the quality.
 
 const kThumbnail = 104;  // px, with its gap
 
@@ -20,7 +20,7 @@ export class TimeLine {
     };
   }
 
-  /// Frames that can be had, and the one on show.
+  /// Sets the range of frames that can be shown, and the one on show.
   set([first, last], key, live) {
     if (last < first) return;
     Object.assign(this.slider, {min: first, max: last, value: key});
@@ -31,7 +31,7 @@ export class TimeLine {
     if (this.line) this.draw();
   }
 
-  /// Shows the time line of a log, and looks again until all is known of it.
+  /// Shows the time line of a log, and updates it until the log is read and rated.
   async follow() {
     this.isLog = true;
     this.canvas.hidden = false;
@@ -61,7 +61,7 @@ export class TimeLine {
     const bars = 26 * devicePixelRatio;
     this.drawThumbnails(context, width, height - bars - 2);
     const step = width / buckets.length;
-    // What is good depends on scene and cameras, so frames are compared with each other.
+    // Quality depends on scene and cameras, so colours compare the frames with each other.
     const rated = buckets.map((bucket) => bucket.quality).filter((quality) => quality !== undefined);
     const usual = rated.sort((a, b) => a - b)[rated.length >> 1];
     buckets.forEach(({quality}, i) => {

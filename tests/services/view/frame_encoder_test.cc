@@ -63,7 +63,7 @@ TEST_F(FrameEncoderTest, SendsWhatIsWishedAndThere) {
   EXPECT_EQ(packet.head["parts"][1]["full_width"], 64);
 }
 
-// Beside the single one, in its colours: of what differs alone the colour does.
+// Both maps have one scale, so that only pixels that differ have other colours.
 TEST_F(FrameEncoderTest, PaintsTheFusedMapOnTheScaleOfTheSingleOne) {
   DisparityImage fused = ViewMap();
   fused.counts()(10, 20) = DisparityImage::kInvalid;

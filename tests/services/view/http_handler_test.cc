@@ -151,7 +151,7 @@ TEST(SharedFiles, GivesNobodyALogThatIsOld) {
   EXPECT_NE(*files.Take("10", now + SharedFiles::kFresh + std::chrono::seconds(1), write), file);
 }
 
-// A picture of another page would make the browser ask, though that page sees nothing of it.
+// A picture in a page of another site makes the browser send such a request.
 TEST_F(HttpHandlerTest, DoesNothingForPagesFromElsewhere) {
   for (const char* target : {"/save-log?seconds=10", "/save?key=1&what=cloud.ply", "/thumb?key=1",
                              "/timeline?buckets=10", "/no-such"}) {
@@ -167,7 +167,7 @@ TEST_F(HttpHandlerTest, DoesNothingForPagesFromElsewhere) {
       EXPECT_NE(GetFrom(target, site, "http://127.0.0.1:8420").status, 403) << target;
     }
   }
-  // A link to the page is nothing bad.
+  // A link to the page is allowed.
   EXPECT_EQ(GetFrom("/", "cross-site", "").status, 200);
   EXPECT_EQ(GetFrom("/app.js", "cross-site", "").status, 200);
 }

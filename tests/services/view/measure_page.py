@@ -61,7 +61,7 @@ def measure_pictures(programs, log):
     page_test.wait_for_server()
     player = play(programs, log, 10, 40)
     time.sleep(3)
-    # So that one pane is about 1152 px wide: a picture of 1.0 MP.
+    # Makes one pane about 1152 px wide: a picture of 1.0 MP.
     with web_driver.Browser(1190, 1320) as browser:
         start = time.monotonic()
         browser.open(page_test.URL)

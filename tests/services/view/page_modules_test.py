@@ -39,7 +39,7 @@ class Files(http.server.SimpleHTTPRequestHandler):
         pass
 
 
-# A board of one stage, and what there is to see of it; scripts of the checks begin with this.
+# A board of one stage, and what the page shows of it; scripts of the checks begin with this.
 PLOTS = """
     const {Plots} = await import('/plots.js');
     const plots = new Plots(document.body.appendChild(document.createElement('div')));

@@ -66,7 +66,7 @@ def check_sleep(what, browser, programs, times, asleep, awake):
     finally:
         awake()
     start = time.monotonic()
-    # One that was captured when the page was awake again.
+    # Waits for a frame that was captured when the page was awake again.
     woken = time.time()
     back = browser.wait(f"sprout.head.utime > {int(1e6 * woken)}", seconds=2 * soon)
     took = time.monotonic() - start
@@ -90,7 +90,7 @@ def check_backlog(browser):
         }""")
     browser.wait("filled > 0")
     filled, stages = browser.run("return [filled, sprout.board.stages.length]")
-    # Others may have come meanwhile.
+    # Other frames may have come meanwhile.
     check("of a minute of statuses the newest is drawn", filled <= 5 * stages, f"{filled} rows of {stages}")
 
 
@@ -99,7 +99,7 @@ def check_cut(browser, relay):
     check("a page through a relay", browser.wait("window.sprout && sprout.frames > 5"))
     relay.cut()
     start = time.monotonic()
-    # Captured so late that it cannot have been on its way.
+    # Waits for a frame that was captured too late to have been on its way.
     back = browser.wait(f"sprout.head.utime > {int(1e6 * (time.time() + 1))}", seconds=20)
     check("a dead connection is noticed and made anew", back, f"{time.monotonic() - start:.1f} s")
 

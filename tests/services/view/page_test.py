@@ -203,7 +203,7 @@ def check_numbers(browser, programs):
     programs.stop("capture")
     time.sleep(2.5)
     for stage in ("refine", "prior", "grow", "view"):
-        # The rate goes on to change for a while, and the two do not look at the same moment.
+        # The rate changes for a while, and both read it at different moments.
         for _ in range(6):
             top = subprocess.run([programs.folder / "sprout-top", "--once", "--json", "--log-level", "error"],
                                  capture_output=True, text=True)

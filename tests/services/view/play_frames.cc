@@ -21,7 +21,7 @@ struct Message {
   std::vector<uint8_t> bytes;
 };
 
-// In every type of ours the header follows the fingerprint: utime, seq, ..., big-endian.
+// In every type of Sprout the header follows the fingerprint: utime, seq, ..., big-endian.
 void SetHeader(std::vector<uint8_t>& bytes, int64_t utime, int64_t seq) {
   for (size_t i = 0; i < 8; ++i) {
     bytes[8 + i] = static_cast<uint8_t>(utime >> (56 - 8 * i));

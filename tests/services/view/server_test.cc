@@ -202,7 +202,7 @@ TEST_F(ServerTest, Holds50ConnectionsAnd16PagesAndStillAnswers) {
   for (Page& page : pages) EXPECT_EQ(ReadFrame(page), 0);
   EXPECT_THAT(Ask("GET / HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"),
               StartsWith("HTTP/1.1 200"));
-  // Those who go make room for others.
+  // Closed connections make room for others.
   pages.clear();
   const auto opens = [&] {
     try {
@@ -219,7 +219,7 @@ TEST_F(ServerTest, Holds50ConnectionsAnd16PagesAndStillAnswers) {
   EXPECT_THAT(Ask(kRoom), StartsWith("HTTP/1.1 200"));
 }
 
-// Who asks for a log and never reads it holds it until the server has no more patience.
+// A client that asks for a log and never reads it holds it until the server's timeout.
 TEST_F(ServerTest, HoldsOneCopyOfALogForManyWhoNeverRead) {
   // More than a socket takes.
   for (int64_t seq = 1; seq <= 16; ++seq) {
@@ -240,7 +240,7 @@ TEST_F(ServerTest, HoldsOneCopyOfALogForManyWhoNeverRead) {
   }
   EXPECT_EQ(given, 2);
   EXPECT_EQ(refused, 58);
-  // Who goes makes room for others.
+  // A closed connection makes room for others.
   readers.clear();
   std::string answer;
   for (int i = 0; i < 200 && !answer.starts_with("HTTP/1.1 200"); ++i) {
@@ -259,7 +259,7 @@ TEST_F(ServerTest, RefusesALogToAPageFromElsewhere) {
 }
 
 TEST_F(ServerTest, LogsBadPagesOnceASecond) {
-  ::testing::internal::CaptureStdout();  // where lines go that are not told where
+  ::testing::internal::CaptureStdout();  // where log lines go by default
   const auto begin = std::chrono::steady_clock::now();
   for (int i = 0; i < 50; ++i) {
     Page page = OpenWhenThereIsRoom();

@@ -23,7 +23,7 @@ inline Rig ViewRig() { return {CentredPair(kViewSize.width, kViewSize.height, 50
 
 inline cv::Mat ViewImage(int grey) { return cv::Mat(kViewSize, CV_8UC1, cv::Scalar(grey)); }
 
-/// Of columns that go from 0 px up, without a disparity in the first of them.
+/// A map whose columns rise from 0 px, without a disparity in the first one.
 inline DisparityImage ViewMap() {
   DisparityImage map(kViewSize);
   for (int v = 0; v < map.height(); ++v) {
@@ -51,7 +51,6 @@ struct RingInput {
   int64_t utime = 1'000'000;
 };
 
-/// Puts a whole frame into a ring.
 inline void AddWhole(RingInput& input, int64_t seq) {
   input.Add(seq, Part::kRig, ViewRig());
   input.Add(seq, Part::kLeft, ViewImage(static_cast<int>(seq % 256)));
