@@ -12,7 +12,7 @@
 namespace sprout::ros2 {
 namespace {
 
-// Calibrations that are kept: those of the frames under way, where each has its own.
+// Calibrations that are kept, for frames that are still under way.
 constexpr size_t kMaxRigs = 8;
 constexpr size_t kMaxStatuses = 64;
 
@@ -30,7 +30,7 @@ void RequirePrefix(const std::string& prefix) {
                     "': allowed are names as /robot/front, of letters, digits and '_'");
 }
 
-// A transform has two frames.
+// A transform needs two frames of different names.
 void RequireOwnFrames(const Ros2Config& config) {
   const std::set<std::string> frames = {config.left_frame(), config.right_frame(),
                                         config.tof_frame()};
@@ -71,7 +71,7 @@ RosQos QosOf(const RosTopicRow& row, bool reliable) {
       .reliable = row.topic == RosTopic::kDiagnostics || reliable, .latched = false, .depth = 10};
 }
 
-// What image_transport appends; nothing for topics that are not compressed.
+// What ROS's image_transport appends to a topic's name; empty for topics that are not compressed.
 std::string_view CompressedSuffix(const RosTopicRow& row) {
   if (row.topic == RosTopic::kLeft || row.topic == RosTopic::kRight) return "/compressed";
   return row.topic == RosTopic::kDepth ? "/compressedDepth" : "";
@@ -173,7 +173,7 @@ void Bridge::OnRig(std::span<const uint8_t> bytes) {
     rigs_.erase(rig_order_.front());
     rig_order_.pop_front();
   }
-  // Latched: who comes later gets it, too.
+  // /tf_static is latched: a later subscriber gets it as well.
   for (const Topic& topic : topics_) {
     if (topic.row->topic != RosTopic::kTransforms) continue;
     const auto message = ToRos(topic.row->topic, rig->id, rig->value, nullptr, options_);
@@ -181,12 +181,10 @@ void Bridge::OnRig(std::span<const uint8_t> bytes) {
   }
 }
 
-// What the bus or a stage lost.
+// Counts the frame numbers of a part that the bus or a stage lost.
 void Bridge::CountGaps(Part part, const FrameId& id) {
-  const bool is_of_depth =
-      part == Part::kDepth || part == Part::kDepthSigma || part == Part::kCloud;
   FrameId step = id;
-  if (is_of_depth) step.seq /= depth_every_;
+  if (IsOfDepth(part)) step.seq /= depth_every_;
   const std::scoped_lock lock(mutex_);
   gaps_[part].Add(step);
   int64_t gaps = earlier_gaps_;
@@ -263,7 +261,7 @@ bool Bridge::Publish(const Topic& topic, const FrameId& id, const AnyRosMessage&
   return sent.has_value();
 }
 
-void Bridge::SayMisfits() {
+void Bridge::WarnOfMisfits() {
   for (const Topic& topic : topics_) {
     const std::string policy = node_.TakeMisfit(topic.writer);
     if (policy.empty()) continue;
@@ -274,7 +272,7 @@ void Bridge::SayMisfits() {
 }
 
 void Bridge::PublishDiagnostics() {
-  SayMisfits();
+  WarnOfMisfits();
   const std::scoped_lock lock(mutex_);
   for (const Topic& topic : topics_) {
     if (topic.row->topic != RosTopic::kDiagnostics || !node_.HasReaders(topic.writer)) continue;

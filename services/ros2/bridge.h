@@ -29,7 +29,7 @@ using AnyRosMessagePtr = std::unique_ptr<AnyRosMessage>;
 /// subscribes to a topic that is made of it. Its methods may be called from any thread.
 class Bridge {
  public:
-  /// @param depth  of sprout-depth, which sends only some frames and some pixels' points.
+  /// @param depth  configuration of sprout-depth: of which frames and pixels it sends depth.
   /// @throws ConfigError for a name that cannot be, or when DDS cannot be used.
   Bridge(const Ros2Config& config, const DepthConfig& depth, StageMonitor& monitor);
 
@@ -43,8 +43,8 @@ class Bridge {
   /// Takes a message of the graph.
   void OnMessage(std::string_view channel, std::span<const uint8_t> bytes);
 
-  /// Publishes how the processes fare, and says which subscribers cannot be served; call once a
-  /// second.
+  /// Publishes the state of the processes, and warns of subscribers that cannot be served; call
+  /// once a second.
   void PublishDiagnostics();
 
   int64_t converted() const { return converted_; }  ///< messages for ROS so far
@@ -71,7 +71,7 @@ class Bridge {
   AnyRosMessagePtr Converted(const Topic& topic, const DecodedPart& part, const Rig* rig) const;
   Result<AnyRosMessagePtr> OrderedPoints(const DecodedPart& cloud, const Rig& rig) const;
   bool Publish(const Topic& topic, const FrameId& id, const AnyRosMessage& message);
-  void SayMisfits();
+  void WarnOfMisfits();
 
   Ros2Config config_;
   int depth_every_;
@@ -86,7 +86,7 @@ class Bridge {
   std::string newest_rig_;
   std::map<std::string, Heard> statuses_;
   std::map<Part, SequenceGaps> gaps_;  // of the channels that are received
-  int64_t earlier_gaps_ = 0;           // of those that were
+  int64_t earlier_gaps_ = 0;           // of channels that are received no longer
   int64_t converted_ = 0;
 };
 

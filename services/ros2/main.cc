@@ -19,15 +19,16 @@
 namespace sprout::ros2 {
 namespace {
 
-// Some ten frames of 2 MP may wait; more is late anyway.
+// Some ten frames of 2 MP may wait; with more the newest would be late.
 constexpr size_t kMaxQueuedBytes = size_t{64} << 20;
 // How soon a new subscriber gets something.
-constexpr std::chrono::milliseconds kLook{200};
+constexpr std::chrono::milliseconds kPollPeriod{200};
 
-// A subscriber's socket gets this buffer; a large message comes as a burst of datagrams.
-void SayReceiveBuffer() {
+// Warns if a subscriber's socket gets too small a buffer for the burst of datagrams of a large
+// message.
+void WarnOfSmallBuffer() {
   constexpr int kEnough = 8 << 20;
-  int bytes = kEnough;  // in a network namespace nobody knows
+  int bytes = kEnough;  // stays where the file is missing, as in a network namespace
   std::ifstream("/proc/sys/net/core/rmem_default") >> bytes;
   if (bytes >= kEnough) return;
   LogLine(LogLevel::kWarning,
@@ -42,7 +43,7 @@ int Run(const ServiceContext& context) {
   const RosWarnings warnings([&](const std::string& text, bool is_of_message) {
     is_of_message ? monitor.BadMessage("ROS 2", text) : of_dds.Warn(text);
   });
-  SayReceiveBuffer();
+  WarnOfSmallBuffer();
   Bridge bridge(context.config.ros2(), context.config.depth(), monitor);
   const StatusReporter reporter(context, monitor);
   NotifyReady();
@@ -60,7 +61,7 @@ int Run(const ServiceContext& context) {
       bridge.ReceivesOnly(channels);
       std::vector<std::string_view> of_frames(channels.begin(), channels.end());
       std::erase(of_frames, kStatusChannel);
-      if (silence) silence->HeardFrame();  // what was waited for is wanted no more
+      if (silence) silence->HeardFrame();  // ends its warnings: other channels are wanted now
       silence.emplace(context, of_frames, monitor);
       receiver.emplace(
           context.lcm_url, context.prefix,
@@ -75,9 +76,9 @@ int Run(const ServiceContext& context) {
       bridge.PublishDiagnostics();
       next_diagnostics += std::chrono::seconds(1);
     }
-    SleepFor(kLook, context.stop);
+    SleepFor(kPollPeriod, context.stop);
   }
-  receiver.reset();  // before the bridge goes
+  receiver.reset();  // it calls the bridge
   return 0;
 }
 
