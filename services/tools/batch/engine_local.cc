@@ -20,7 +20,7 @@
 namespace sprout::batch {
 namespace {
 
-// The line in which the process of a log says why it failed: the last, below warnings.
+// The line in which the process of a log says why it failed: the last one, after the warnings.
 std::string ReasonIn(std::string output) {
   constexpr std::string_view kName = "sprout-batch: ";
   while (output.ends_with('\n')) output.pop_back();
@@ -28,8 +28,8 @@ std::string ReasonIn(std::string output) {
   return at == std::string::npos ? output : output.substr(at + kName.size());
 }
 
-// A program that was exchanged, or a full disk: every other log would meet it, too.
-bool IsHopeless(int code, const std::string& why) {
+// Whether every other log would fail, too: a program was replaced, or the disk is full.
+bool ConcernsAllLogs(int code, const std::string& why) {
   return code == 2 || why.find(std::generic_category().message(ENOSPC)) != std::string::npos;
 }
 
@@ -97,7 +97,7 @@ class LocalRun {
     }
     const std::string why = ReasonIn(process.Output());
     const std::lock_guard lock(mutex_);
-    if (IsHopeless(*code, why)) {
+    if (ConcernsAllLogs(*code, why)) {
       stopped_ = why;
       return false;
     }
@@ -114,10 +114,10 @@ class LocalRun {
   std::vector<int> logs_;
   int threads_ = 1;
   std::atomic<size_t> next_ = 0;
-  std::mutex mutex_;  // of what follows
+  std::mutex mutex_;  // guards the members below
   Progress progress_{/*quiet=*/false};
   size_t ended_ = 0;
-  std::string stopped_;  // why; empty: it was not
+  std::string stopped_;  // why the run was stopped; empty: it was not
 };
 
 }  // namespace

@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 
 fs::path SlurmFolder(const BatchFolder& folder) { return folder.root() / "slurm"; }
 
-// Lines of log numbers, one a task; logs are dealt out like cards, so that tasks are alike.
+// Writes the numbers of each task's logs, a line a task. Logs are dealt out in turn, so that tasks
+// take about equally long.
 int WriteTasks(const fs::path& path, const BatchState& state, int array_size) {
   std::vector<std::string> tasks;
   tasks.resize(static_cast<size_t>(std::min(state.missing, array_size)));
@@ -51,16 +52,16 @@ std::string Sbatch(const fs::path& script, const std::vector<std::string>& flags
   return id.substr(0, id.find_first_not_of("0123456789"));  // "12;cluster"
 }
 
-// @param name  in which Slurm replaces "%j" and its like; the folder stands for itself.
+// @param name  in which Slurm replaces "%j" and its like; in the folder's name '%' is escaped.
 std::string OutputFlag(const fs::path& folder, const std::string& name) {
   std::string flag = "--output=";
   for (const char letter : folder.string()) flag += letter == '%' ? "%%" : std::string(1, letter);
   return flag + "/" + name;
 }
 
-// A job behind one that is submitted already.
-std::string SbatchBehind(const std::string& job, const fs::path& script,
-                         const std::vector<std::string>& flags) {
+// Submits a job that begins when another one has ended.
+std::string SbatchAfter(const std::string& job, const fs::path& script,
+                        const std::vector<std::string>& flags) {
   try {
     return Sbatch(script, flags);
   } catch (const ConfigError& e) {
@@ -159,7 +160,7 @@ std::string SubmitSlurm(const std::string& program, const BatchFolder& folder,
   flags = SbatchFlags(folder, options, "finish");
   flags.push_back("--dependency=afterany:" + array_job);
   flags.push_back(OutputFlag(slurm, "finish_%j.txt"));
-  const std::string finish_job = SbatchBehind(array_job, finish, flags);
+  const std::string finish_job = SbatchAfter(array_job, finish, flags);
   WriteText(slurm / "jobs", array_job + "," + finish_job + "\n");
   return fmt::format("submitted: {} logs in the {} tasks of job {}, then table and report ({})",
                      state.missing, count, array_job, finish_job);

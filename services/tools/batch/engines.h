@@ -43,8 +43,8 @@ std::string ActiveJobs(const BatchFolder& folder);
 /// Slurm counts tasks of an array that wait for the same as one.
 std::string StatesOfJobs(const std::string& jobs);
 
-/// What Slurm wrote last of a task that said something, as of one whose program is not there: the
-/// file's path and its last line; empty: no task said anything. One that works says nothing.
+/// The newest output file of a task that printed something, with its last line; empty: there is
+/// none. A task that works prints nothing; one whose program is missing prints an error.
 std::string TaskOutput(const BatchFolder& folder);
 
 }  // namespace sprout::batch

@@ -39,7 +39,7 @@ std::string CellText(double value) {
 namespace fs = std::filesystem;
 using Cells = std::vector<Cell>;
 
-// Behind kFrameColumns: those of A, of B, and of their comparison, any of which may be none.
+// Columns after kFrameColumns: those of A, of B, and of their comparison; any may be empty.
 using ColumnGroups = std::array<std::vector<std::string>, 3>;
 
 ColumnGroups GroupsOf(const Manifest& manifest) {
@@ -66,7 +66,7 @@ Cells TimesOf(const fs::path& result, const Manifest& manifest) {
   return times;
 }
 
-// The rows of a log.
+// The rows of one log, joined from the tables of its results.
 class LogRows {
  public:
   LogRows(const BatchFolder& folder, const Manifest& manifest, int log) {

@@ -35,8 +35,9 @@ namespace {
 Table MeasureAnswers(const Manifest& manifest, const SproutConfig& config,
                      const std::vector<std::string>& logs) {
   const Part answer = AnswerOf(*manifest.stage().rbegin());
-  // What the stages took from the log, which may have recorded answers, too. The place of the left
-  // image is wanted for pictures.
+  // What the stages took from the log, which may have recorded answers, too. LEFT is always read:
+  // its
+  // position in the log goes into the table, for pictures.
   PartSet input = {Part::kLeft};
   PartSet answered;
   for (const std::string& stage : manifest.stage()) {
@@ -57,8 +58,8 @@ Table MeasureAnswers(const Manifest& manifest, const SproutConfig& config,
   return MeasureFrames(frames, answer);
 }
 
-// Whether no frame of the log has all that the first stage needs; then counts why. Reads the whole
-// log. @throws LogError.
+// Whether no frame of the log has all that the first stage needs; if so, sets the counts of what is
+// missing. Reads the whole log. @throws LogError.
 bool CountWithoutFrames(const Manifest& manifest, const BatchLog& log, const SproutConfig& config,
                         StageRun& run) {
   int64_t refused = 0;
@@ -78,7 +79,7 @@ namespace fs = std::filesystem;
 
 constexpr std::chrono::hours kPatience{24};
 
-// Behind a colon; a program says last why it ends.
+// The last line, in which a program says why it ends, after a colon.
 std::string LastLineOf(const std::string& output) {
   const std::string_view text = Trimmed(output);
   return text.empty() ? "" : ": " + std::string(SplitAt('\n', text).back());
@@ -175,7 +176,7 @@ class LogTask {
     const std::string output = process.Output();
     if (code == 2 && stage == 0 && CountWithoutFrames(manifest_, log_, ConfigOf(variant), run))
       return false;
-    // 1: all that can be answered is; how much was not is counted.
+    // With exit code 1 all frames that can be answered are, and the others are counted.
     if (code > 1 || output.find("stopped after") != std::string::npos) Fail(command, code, output);
     const std::optional<StageRun> counts = ParseReplayReport(output);
     if (!counts) Fail(command, code, output);
@@ -194,7 +195,7 @@ class LogTask {
     throw std::runtime_error(what);
   }
 
-  // The answers of the last stage; the others go.
+  // Keeps the answers of the last stage, and deletes those of the others.
   void KeepAnswers(const ResultFolder& result) const {
     for (const std::string& stage : manifest_.stage()) {
       const fs::path answers = result / (stage + ".lcm");
@@ -270,7 +271,7 @@ LogTry::LogTry(const BatchFolder& folder, int log) {
   for (int i = 1; descriptor < 0; ++i) {
     path_ = TryPath(folder, log, i);
     descriptor = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor < 0 && errno != EEXIST) return;  // what cannot be written shows at the results
+    if (descriptor < 0 && errno != EEXIST) return;  // writing the results will fail and say why
   }
   close(descriptor);
   std::ofstream(path_) << fmt::format(
@@ -308,7 +309,7 @@ void ForgetTries(const BatchFolder& folder) {
     if (LogOfTry(file)) tries.push_back(file.path());
   }
   for (const auto& path : tries) std::filesystem::remove(path);
-  std::filesystem::remove(folder.failures(), none);  // others' files keep it
+  std::filesystem::remove(folder.failures(), none);  // only if no other file is in it
 }
 
 void ForgetTry(const BatchFolder& folder, int log) {

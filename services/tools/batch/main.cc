@@ -49,7 +49,7 @@ BatchFolder FolderOf(const std::string& out) {
   return BatchFolder(fs::absolute(out).lexically_normal());
 }
 
-// Two runs at once on one folder would only take work from each other.
+// Lock of a batch's folder: two runs at once would compute the same logs.
 class FolderLock {
  public:
   explicit FolderLock(const BatchFolder& folder) : folder_(folder) {
@@ -79,7 +79,7 @@ class FolderLock {
   FolderLock& operator=(const FolderLock&) = delete;
 
  private:
-  // Those that were made for a batch that was refused; not those with something in them.
+  // Removes the folders that were made for a batch that was refused, if they are empty.
   void RemoveFolders() const {
     std::error_code ignored;
     fs::remove(folder_.root() / "lock", ignored);
@@ -91,14 +91,14 @@ class FolderLock {
   int descriptor_;
 };
 
-// Logs may be missing whose tasks ended before they could note a failure.
-void SayTaskOutput(const BatchFolder& folder, std::ostream& out) {
+// Prints why Slurm's tasks ended, since logs may be missing of tasks that could not note a failure.
+void PrintTaskOutput(const BatchFolder& folder, std::ostream& out) {
   const std::string said = TaskOutput(folder);
   if (!said.empty()) out << "Slurm's tasks ended with " << said << "\n";
 }
 
-// No failure, but an average over fewer logs than were given.
-void SayEmptyLogs(const Manifest& manifest, const BatchState& state, const FrameTable& frames) {
+// Warns that averages are over fewer logs than were given, which is no failure.
+void WarnOfEmptyLogs(const Manifest& manifest, const BatchState& state, const FrameTable& frames) {
   std::set<int> with_frames;
   for (size_t row = 0; row < frames.size(); ++row) with_frames.insert(frames.LogOf(row));
   const auto empty = manifest.log_size() - state.missing - std::ssize(with_frames);
@@ -109,7 +109,6 @@ void SayEmptyLogs(const Manifest& manifest, const BatchState& state, const Frame
       empty, manifest.log_size());
 }
 
-// Writes table and report.
 int Finish(const BatchFolder& folder, const Manifest& manifest, const BatchState& state) {
   const FrameTable frames(folder, manifest, state);
   WriteFrameTable(folder, manifest, frames);
@@ -119,12 +118,12 @@ int Finish(const BatchFolder& folder, const Manifest& manifest, const BatchState
   if (state.missing > 0) {
     std::cerr << fmt::format("sprout-batch: {} of {} logs are missing; why: {}\n", state.missing,
                              manifest.log_size(), folder.failures().string());
-    SayTaskOutput(folder, std::cerr);
+    PrintTaskOutput(folder, std::cerr);
   } else if (frames.size() == 0) {
     std::cerr << "sprout-batch: no frame was answered in these logs; see sprout-log info, "
                  "--channel-prefix and --stages\n";
   } else {
-    SayEmptyLogs(manifest, state, frames);
+    WarnOfEmptyLogs(manifest, state, frames);
   }
   const bool is_whole = state.missing == 0 && frames.size() > 0;
   return is_whole ? 0 : 1;
@@ -167,7 +166,7 @@ int RunCompute(const Options& options) {
       RunLog(folder, manifest, static_cast<int>(log), options.threads);
     } catch (const ConfigError&) {
       throw;
-    } catch (const std::runtime_error& e) {  // the others are still worth doing
+    } catch (const std::runtime_error& e) {  // the other logs are still computed
       std::cerr << "sprout-batch: " << e.what() << "\n";
       exit_code = 1;
     }
@@ -200,7 +199,7 @@ int RunStatus(const Options& options) {
   }
   const std::string jobs = ActiveJobs(folder);
   if (!jobs.empty()) std::cout << "Slurm's jobs " << jobs << ": " << StatesOfJobs(jobs) << "\n";
-  if (state.missing > 0) SayTaskOutput(folder, std::cout);
+  if (state.missing > 0) PrintTaskOutput(folder, std::cout);
   return state.missing == 0 ? 0 : 1;
 }
 

@@ -32,7 +32,7 @@ void Require(bool holds, const std::string& field, const std::string& value,
                                 Printable(Shortened(value, kShownLetters)), allowed));
 }
 
-// All texts of a message and of those in it.
+// Requires that all texts of a message and of those in it are plain.
 void RequirePlainTexts(const Message& message) {
   const auto& reflection = *message.GetReflection();
   std::vector<const FieldDescriptor*> fields;

@@ -13,9 +13,9 @@
 namespace sprout::batch {
 namespace {
 
-constexpr int kMisfitOneIn = 8;  // bands of rows; all would take 10 ms a frame
+constexpr int kMisfitOneIn = 8;  // one band of rows in 8; all would take 10 ms a frame
 
-// kFrameColumns. In a comparison the place of the left image is not known.
+// The cells of kFrameColumns. In a comparison the position of the left image is not known.
 std::vector<Cell> RowStart(const FrameId& id, std::optional<int64_t> left_at = {}) {
   return {static_cast<double>(id.seq), static_cast<double>(id.utime),
           left_at ? Cell(static_cast<double>(*left_at)) : std::nullopt};

@@ -54,7 +54,7 @@ Variant MakeVariant(const Manifest& manifest, const SproutConfig& config,
   return variant;
 }
 
-// Whether they give the same, wherever their programs lie.
+// Whether two variants give the same results: paths of equal programs may differ.
 bool AreAlike(const Variant& a, const Variant& b) {
   const auto digest = [](const StageProgram& program) { return program.digest(); };
   return a.config_digest() == b.config_digest() &&
@@ -110,7 +110,7 @@ void AddLogs(const std::vector<std::string>& paths, const std::map<std::string, 
         log.set_digest(old->second.digest());
         continue;
       }
-      (void)LogReader(path);  // is it a log?
+      (void)LogReader(path);  // throws if it is no log
       log.set_digest(FileDigest(path));
     } catch (const LogError& e) {
       failures.emplace_back(e.what());
@@ -123,7 +123,7 @@ void AddLogs(const std::vector<std::string>& paths, const std::map<std::string, 
                                                        failures.size(), fmt::join(failures, "\n")));
 }
 
-// Follows what was asked for, lists in lists too.
+// Collects the logs of the inputs, also of lists in lists.
 class Inputs {
  public:
   void Add(const std::string& input) {
@@ -227,7 +227,7 @@ std::vector<std::string> LogsBelow(const fs::path& folder) {
   std::set<std::pair<dev_t, ino_t>> files;
   for (const auto& [is_link, name] : names) {
     struct stat status {};
-    if (stat(name.c_str(), &status) != 0) continue;  // it has just been removed
+    if (stat(name.c_str(), &status) != 0) continue;  // removed meanwhile
     if (files.emplace(status.st_dev, status.st_ino).second) logs.push_back(name);
   }
   if (logs.empty()) throw ConfigError(folder.string() + ": no log (*.lcm) in this folder");

@@ -28,8 +28,8 @@ struct BatchRequest {
 Manifest Plan(const BatchRequest& request, const std::string& program);
 
 /// The logs (*.lcm) in a folder and below: absolute paths, sorted. A file with several names (links
-/// of either kind) is one log, by the first name that is no symbolic link where there is one. What
-/// batches have answered is none.
+/// of either kind) is one log, by the first name that is no symbolic link where there is one.
+/// Answers of batches are left out.
 /// @throws ConfigError when there is none, or a folder cannot be read.
 std::vector<std::string> LogsBelow(const std::filesystem::path& folder);
 

@@ -11,7 +11,7 @@
 
 namespace sprout::batch {
 
-/// Rows of a table of the report that has one a log; how many more there are is said below it.
+/// Most rows of a table of the report that has a row for each log.
 inline constexpr size_t kShownLogs = 200;
 
 /// Writes report.html: one page that works offline. It shows what changed, what failed or is
@@ -48,8 +48,8 @@ class ReportFrames {
                std::filesystem::path programs)
       : folder_(folder), manifest_(manifest), frames_(frames), programs_(std::move(programs)) {}
 
-  /// Those with the highest or lowest values in a column, the most extreme first, with pictures and
-  /// commands; empty if there are none.
+  /// The frames with the highest or lowest values in a column, the most extreme first, with
+  /// pictures and commands; empty if there are none.
   std::string Html(const std::string& title, const std::string& column, bool lowest);
 
  private:

@@ -67,7 +67,7 @@ std::vector<Column> LossesOf(const BatchFolder& folder, const Manifest& manifest
   return columns;
 }
 
-// A log without complete frames is bad, too.
+// Of most columns more than 0 is bad; of complete frames 0 is.
 bool IsBad(const Column& column) { return (column.count > 0) == column.is_bad; }
 
 std::string RowHtml(const std::string& name, const std::vector<Column>& columns) {
@@ -135,7 +135,7 @@ std::string DifferenceCell(const std::string& measure, double a, double b) {
   return fmt::format("<td class=\"{}\">{:+.3g}</td>", kind, b - a);
 }
 
-// The rows of a log.
+// A log in the table of logs, by its rows of the frame table.
 struct LogLine {
   int log;
   size_t first;
@@ -200,8 +200,8 @@ std::vector<std::string> ShownMeasures(const Manifest& manifest) {
   return measures;
 }
 
-// Leaves the frames that have both: what one variant left out must not make it the better one.
-// Where one has none at all, the other stays.
+// Keeps the frames that both variants have, so that none looks better for what it left out. Where
+// one has none at all, the other stays.
 void KeepCommon(std::vector<float>& a, std::vector<float>& b) {
   if (std::isnan(MeanOf(a)) || std::isnan(MeanOf(b))) return;
   for (size_t i = 0; i < a.size(); ++i) {

@@ -64,7 +64,7 @@ bool IsLinkToAnswers(const fs::path& path) {
   return fs::read_symlink(path, none).string().starts_with("../results/");
 }
 
-// @throws LogError when that is no link to answers, but somebody's log.
+// @throws LogError when that is a file of the user's, not a link to answers.
 void RemoveLink(const fs::path& link) {
   if (IsLinkToAnswers(link)) {
     fs::remove(link);
@@ -73,7 +73,7 @@ void RemoveLink(const fs::path& link) {
   }
 }
 
-// Those of logs and variants that an earlier batch had.
+// Removes links of logs and variants that only an earlier batch had.
 void RemoveOldLinks(const BatchFolder& folder, const Manifest& manifest) {
   std::set<fs::path> old;
   for (const auto& entry : fs::directory_iterator(folder.root() / "logs")) {
@@ -250,7 +250,7 @@ void RemoveParts(const BatchFolder& folder) {
   for (const char* const kind : {"results", "comparisons"}) {
     if (!fs::exists(folder.root() / kind)) continue;
     for (const auto& group : fs::directory_iterator(folder.root() / kind)) {
-      if (!group.is_directory()) continue;  // somebody else's
+      if (!group.is_directory()) continue;  // a file of the user's
       for (const auto& result : fs::directory_iterator(group)) {
         if (IsPart(result.path().filename().string())) parts.push_back(result.path());
       }

@@ -15,12 +15,12 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = CaptureListener::Clock;
 
-constexpr int kFrames = 10;  // at least so many are looked at
+constexpr int kFrames = 10;  // at least so many are checked
 constexpr milliseconds kMinTime{kMaxRigSilence + milliseconds(1000)};  // shows a missing RIG
 
 double Seconds(milliseconds time) { return std::chrono::duration<double>(time).count(); }
 
-// The course of a check.
+// The steps of a check.
 class CaptureCheck {
  public:
   CaptureCheck(const CheckOptions& options, BusConnection& bus, Process& process, Findings& found)

@@ -48,7 +48,7 @@ void CaptureListener::Take(const Heard& heard) {
   } else if (part == Part::kRig) {
     TakeRig(heard);
   } else if (!CheckReport(heard, found_) && heard.channel.starts_with("SPROUT_")) {
-    // Other channels are nobody's business: there may be an IMU.
+    // Channels that are not the graph's are allowed: there may be an IMU.
     found_.Add(Rule::kChannels,
                fmt::format("published on {}; allowed are {}, {}, {} and {}", heard.channel,
                            ChannelOf(Part::kLeft), ChannelOf(Part::kRight), ChannelOf(Part::kTof),
@@ -171,7 +171,7 @@ void CaptureListener::CheckSizes(const Frame& frame) {
       compare(part, image->size(), rig.pair.size());
     }
   }
-  // One that gave no image sends 0x0.
+  // A ToF camera that gave no image sends 0x0.
   const auto* tof = Find<TofImage>(frame.values, Part::kTof);
   if (tof != nullptr && !tof->depth_m.empty()) {
     compare(Part::kTof, tof->depth_m.size(), rig.tof.lens().size());

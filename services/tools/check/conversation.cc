@@ -19,14 +19,14 @@ constexpr std::chrono::seconds kRigPeriod{1};  // as capture sends it
 
 }  // namespace
 
-Conversation::Sent& Conversation::Begin(const TestFrame& frame, Look look) {
+Conversation::Sent& Conversation::Begin(const TestFrame& frame, AnswerCheck check) {
   const int64_t seq = std::ssize(sent_);
   Sent& sent = sent_[seq];
   sent.id = {
       .utime = kFirstUtime + pause_utime_ + seq * kFrameUtime, .seq = seq, .rig_id = frame.rig_id};
   sent.name = frame.name;
   sent.pair = frame.rig().pair;
-  sent.look = look;
+  sent.check = check;
   return sent;
 }
 
@@ -36,8 +36,8 @@ void Conversation::SendPart(Part part, std::span<const uint8_t> bytes) {
 }
 
 std::optional<PartValue> Conversation::Ask(const TestFrame& frame, DisparityEncoding encoding,
-                                           Look look, Rule rule, milliseconds timeout) {
-  Sent& sent = Begin(frame, look);
+                                           AnswerCheck check, Rule rule, milliseconds timeout) {
+  Sent& sent = Begin(frame, check);
   for (const Part part : contract_.inputs) {
     if (part == Part::kRig) {
       const bool due = frame.rig_id != rig_id_ || Clock::now() >= rig_due_;
@@ -57,20 +57,20 @@ std::optional<PartValue> Conversation::Ask(const TestFrame& frame, DisparityEnco
     }
   }
   awaited_ = nullptr;
-  if (sent.answers == 0 && look != Look::kIfAnswered && !ended_) {
+  if (sent.answers == 0 && check != AnswerCheck::kIfAnswered && !ended_) {
     ++frames_missed_;
     found_.Add(
         rule, fmt::format("{}: no answer on {} within {} s", sent.name, ChannelOf(contract_.answer),
                           std::chrono::duration<double>(timeout).count()));
   }
-  if (sent.answers > 0 && look == Look::kAll) {
+  if (sent.answers > 0 && check == AnswerCheck::kAll) {
     times_ms_.push_back(std::chrono::duration<double, std::milli>(sent.answered - asked).count());
   }
   return sent.answer;
 }
 
 void Conversation::SendBad(const TestFrame& frame, Part part, const Corruption& corruption) {
-  Sent& sent = Begin(frame, Look::kIfAnswered);
+  Sent& sent = Begin(frame, AnswerCheck::kIfAnswered);
   sent.bad = true;
   sent.name = fmt::format("{}, {}", ChannelOf(part), corruption.name);
   SendPart(part, corruption.apply(EncodePart(sent.id, part, frame.parts.at(part))));
@@ -135,7 +135,7 @@ void Conversation::TakeAnswer(const Heard& heard) {
     return;
   }
   if (!decoded) return;
-  if (sent->look == Look::kAll) {
+  if (sent->check == AnswerCheck::kAll) {
     CheckAnswer(decoded->value, sent->pair, what, found_);
     if (IsEmptyAnswer(decoded->value)) found_.Add(Rule::kValues, what + ": an empty answer");
   }
@@ -152,7 +152,7 @@ void Conversation::TakeExtra(Part part, const Heard& heard) {
   const std::string what = heard.channel + ", " + sent->name;
   if (const int count = ++sent->extras[part]; count > 1) {
     found_.Add(Rule::kOneAnswer, fmt::format("{}: {} messages", what, count));
-  } else if (sent->look == Look::kAll) {
+  } else if (sent->check == AnswerCheck::kAll) {
     CheckExtra(part, decoded->value, sent->pair, what, found_);
   }
 }

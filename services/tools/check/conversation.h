@@ -18,7 +18,7 @@
 namespace sprout::check {
 
 /// What to check in the answer to a frame.
-enum class Look {
+enum class AnswerCheck {
   kIfAnswered,  ///< header and form, if an answer comes
   kForm,        ///< header and form; an answer must come
   kAll,         ///< also size and values; it must not be empty
@@ -39,12 +39,12 @@ class Conversation {
   /// Sends a frame and waits for its answer.
   ///
   /// @param encoding  of the maps in the frame.
-  /// @param look      what to check.
+  /// @param check      what to check.
   /// @param rule      that is broken when no answer comes.
   /// @param timeout   for the answer.
   /// @returns the answer; nothing when none came, or one that cannot be decoded.
-  std::optional<PartValue> Ask(const TestFrame& frame, DisparityEncoding encoding, Look look,
-                               Rule rule, std::chrono::milliseconds timeout);
+  std::optional<PartValue> Ask(const TestFrame& frame, DisparityEncoding encoding,
+                               AnswerCheck check, Rule rule, std::chrono::milliseconds timeout);
 
   /// Sends a corrupted message of the frame as a new capture; any answer to it is wrong.
   void SendBad(const TestFrame& frame, Part part, const Corruption& corruption);
@@ -80,7 +80,8 @@ class Conversation {
   /// Channels outside of the graph on which it published: the first eight.
   const std::set<std::string>& others_heard() const { return others_heard_; }
 
-  /// Times from the last message of a frame sent to its answer, ms, for frames with Look::kAll.
+  /// Times from the last message of a frame sent to its answer, ms, for frames with
+  /// AnswerCheck::kAll.
   const std::vector<double>& times_ms() const { return times_ms_; }
 
  private:
@@ -92,7 +93,7 @@ class Conversation {
     FrameId id;
     std::string name;
     RectifiedPair pair;
-    Look look = Look::kIfAnswered;
+    AnswerCheck check = AnswerCheck::kIfAnswered;
     bool bad = false;  // not a valid frame: an answer is wrong
     int answers = 0;
     std::map<Part, int> extras;
@@ -100,7 +101,7 @@ class Conversation {
     Clock::time_point answered;
   };
 
-  Sent& Begin(const TestFrame& frame, Look look);
+  Sent& Begin(const TestFrame& frame, AnswerCheck check);
   void SendPart(Part part, std::span<const uint8_t> bytes);
   void Take(const Heard& heard);
   void TakeAnswer(const Heard& heard);

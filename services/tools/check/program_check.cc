@@ -55,11 +55,11 @@ std::optional<Heard> BusConnection::Next(std::chrono::steady_clock::time_point d
 }
 
 int CheckProgram(const std::vector<std::string>& command, const std::string& lcm_url,
-                 std::span<const Rule> rules, const Course& course, std::ostream& out) {
+                 std::span<const Rule> rules, const ProgramSteps& steps, std::ostream& out) {
   Findings found;
   setenv("LCM_DEFAULT_URL", lcm_url.c_str(), 1);  // for the program
   Process process(command);
-  const std::string figures = course(process, found);
+  const std::string figures = steps(process, found);
   if (process.Wait(std::chrono::seconds(0)) == kCannotBeStarted) {
     throw ConfigError("'" + command[0] + "' cannot be started");
   }

@@ -52,7 +52,7 @@ inline constexpr std::chrono::milliseconds kPoll{100};
 
 /// Checks a running program, and ends it.
 /// @returns figures about it for people, whole lines; may be empty.
-using Course = std::function<std::string(Process& process, Findings& found)>;
+using ProgramSteps = std::function<std::string(Process& process, Findings& found)>;
 
 /// Starts a program, runs a check on it, and prints the findings.
 ///
@@ -62,7 +62,7 @@ using Course = std::function<std::string(Process& process, Findings& found)>;
 /// @returns exit code: 0; 1 when something is wrong with the program.
 /// @throws ConfigError when it cannot be started.
 int CheckProgram(const std::vector<std::string>& command, const std::string& lcm_url,
-                 std::span<const Rule> rules, const Course& course, std::ostream& out);
+                 std::span<const Rule> rules, const ProgramSteps& steps, std::ostream& out);
 
 /// "ended with exit code 3", "was killed by signal 6"; nothing while the program runs.
 std::optional<std::string> HowItEnded(Process& process);

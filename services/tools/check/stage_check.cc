@@ -26,7 +26,7 @@ constexpr milliseconds kSettle{300};       // for answers that should not come
 constexpr auto kRaw = DisparityEncoding::kRawInt16;
 constexpr auto kCompressed = DisparityEncoding::kDeltaZstd;
 
-// The course of a check.
+// The steps of a check.
 class StageCheck {
  public:
   StageCheck(const CheckOptions& options, const StageContract& contract,
@@ -85,7 +85,7 @@ class StageCheck {
                                              status.frames_failed, status.last_error));
         return;
       }
-      talk_.Ask(frames_[0], kRaw, Look::kIfAnswered, Rule::kStart, kStartPeriod);
+      talk_.Ask(frames_[0], kRaw, AnswerCheck::kIfAnswered, Rule::kStart, kStartPeriod);
       started_ = talk_.answers_heard() > 0;
     }
     if (!started_ && !talk_.over()) {
@@ -110,9 +110,9 @@ class StageCheck {
     return status && status->frames_out == 0 && status->frames_failed >= kEnough;
   }
 
-  std::optional<PartValue> Ask(const TestFrame& frame, DisparityEncoding maps, Look look,
+  std::optional<PartValue> Ask(const TestFrame& frame, DisparityEncoding maps, AnswerCheck check,
                                Rule rule) {
-    return talk_.Ask(frame, maps, look, rule, options_.answer_timeout);
+    return talk_.Ask(frame, maps, check, rule, options_.answer_timeout);
   }
 
   // Makes a stage with memory forget all frames, by a gap in time.
@@ -127,13 +127,13 @@ class StageCheck {
     }
     ForgetFrames();
     for (const TestFrame& frame : frames_) {
-      answers_.push_back(Ask(frame, kRaw, Look::kAll, Rule::kOneAnswer));
+      answers_.push_back(Ask(frame, kRaw, AnswerCheck::kAll, Rule::kOneAnswer));
       if (talk_.over()) return;
       if (!answers_.back() || !frame.recorded) continue;
       comparable_.push_back(*answers_.back());
       recorded_.push_back(*frame.recorded);
     }
-    // As of a program that sends its first map again and again.
+    // This finds a program that sends its first map again and again.
     if (AreAllTheSame(comparable_) && !AreAllTheSame(recorded_)) {
       found_.Add(Rule::kValues, fmt::format("all {} frames got the same answer; the recorded ones "
                                             "differ",
@@ -145,7 +145,7 @@ class StageCheck {
     found_.Checked(Rule::kRepeatable);
     ForgetFrames();
     for (size_t i = 0; i < frames_.size() && !talk_.over(); ++i) {
-      const auto answer = Ask(frames_[i], kRaw, Look::kAll, Rule::kOneAnswer);
+      const auto answer = Ask(frames_[i], kRaw, AnswerCheck::kAll, Rule::kOneAnswer);
       if (answer && answers_[i] && !IsSameAnswer(*answer, *answers_[i])) {
         repeatable_ = false;
         found_.Add(Rule::kRepeatable, frames_[i].name + ": another answer than the first time");
@@ -153,24 +153,24 @@ class StageCheck {
     }
   }
 
-  // What capture and the stages before may send as well: LEFT in grey, compressed maps.
+  // Other forms that capture and earlier stages may send: LEFT in grey, compressed maps.
   void OtherForms() {
     TestFrame grey = frames_[0];
     grey.name += " with LEFT in grey";
     PartValue& left = grey.parts.at(Part::kLeft);
     left = cv::Mat(ToGrey(std::get<cv::Mat>(left)));
-    Ask(grey, kRaw, Look::kAll, Rule::kOneAnswer);
+    Ask(grey, kRaw, AnswerCheck::kAll, Rule::kOneAnswer);
     if (!frames_[0].parts.contains(Part::kPrior)) return;
     ForgetFrames();
     TestFrame compressed = frames_[0];
     compressed.name += " with compressed maps";
-    Ask(compressed, kCompressed, Look::kAll, Rule::kOneAnswer);
+    Ask(compressed, kCompressed, AnswerCheck::kAll, Rule::kOneAnswer);
   }
 
   void Poor() {
     found_.Checked(Rule::kDegenerate);
     for (const TestFrame& frame : DegenerateFrames(frames_[0])) {
-      Ask(frame, kRaw, Look::kForm, Rule::kDegenerate);
+      Ask(frame, kRaw, AnswerCheck::kForm, Rule::kDegenerate);
       if (talk_.over()) return;
     }
   }
@@ -184,7 +184,7 @@ class StageCheck {
         ForgetFrames();
         TestFrame good = frames_[0];
         good.name += " after " + std::string(ChannelOf(part)) + ", " + corruption.name;
-        const auto answer = Ask(good, kRaw, Look::kAll, Rule::kBadMessages);
+        const auto answer = Ask(good, kRaw, AnswerCheck::kAll, Rule::kBadMessages);
         if (repeatable_ && answer && answers_[0] && !IsSameAnswer(*answer, *answers_[0])) {
           found_.Add(Rule::kBadMessages, good.name + ": another answer than before");
         }
@@ -207,7 +207,7 @@ class StageCheck {
   bool started_ = false;
   bool repeatable_ = true;
   std::vector<std::optional<PartValue>> answers_;  // to frames_
-  std::vector<PartValue> comparable_;              // those of them to frames with a recorded one
+  std::vector<PartValue> comparable_;              // answers to frames with a recorded answer
   std::vector<PartValue> recorded_;
 };
 

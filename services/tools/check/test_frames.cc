@@ -12,7 +12,7 @@
 namespace sprout::check {
 namespace {
 
-// Copies of images and maps share their pixels: replaced here, never written to.
+// Copies of images and maps share their pixels, so values are replaced and never written to.
 template <typename Value>
 Value* Find(TestFrame& frame, Part part) {
   const auto found = frame.parts.find(part);

@@ -74,7 +74,7 @@ std::string Lines(const std::string& text) {
 
 constexpr int kMinSide = 240;  // px; smaller regions are shown larger
 
-// Every pixel a square.
+// Shows every pixel of a small picture as a square.
 cv::Mat3b Enlarged(const cv::Mat3b& picture) {
   const int factor = std::max(1, kMinSide / std::max(1, std::min(picture.cols, picture.rows)));
   if (factor == 1) return picture;
@@ -254,7 +254,7 @@ cv::Rect RectOf(const std::string& flag, const std::string& text) {
   return {numbers->at(0), numbers->at(1), numbers->at(2), numbers->at(3)};
 }
 
-// What is asked for, and everything that can be wrong with the flags.
+// A measurement as the flags ask for it. Its constructor checks everything that can be wrong.
 class Run {
  public:
   explicit Run(const Options& options) : options_(options), measurement_(SettingsOf(options)) {
@@ -289,7 +289,7 @@ class Run {
     return settings;
   }
 
-  // What is measured, so that no flag asks to replace it.
+  // Notes the inputs, so that no output may replace one.
   void NoteFolder() const {
     if (!fs::is_directory(options_.input)) return;
     NoteFolderFiles(options_.input, options_.calibration);

@@ -36,7 +36,7 @@ bool IsDisparityMap(const fs::path& path) {
   return path.filename().string().ends_with("disparity.pfm");
 }
 
-// What Sprout writes beside them: depths in m, standard deviations.
+// Whether it is a map that Sprout writes beside disparities: depths in m, standard deviations.
 bool IsNoDisparityMap(const fs::path& path) {
   const std::string name = path.stem().string();
   return path.extension() != ".pfm" || name.ends_with("depth") || name.ends_with("sigma");
@@ -73,7 +73,7 @@ fs::path CalibrationOf(const fs::path& map, const fs::path& folder) {
   return fs::exists(beside, ignored) ? beside : folder / "calib.txt";
 }
 
-// Empty where a frame has none, or a picture in its place.
+// The standard deviations of a frame; empty where it has none, or an image of another type.
 cv::Mat1b SigmaOf(const Frame& frame) {
   return frame.sigma.type() == CV_8UC1 ? cv::Mat1b(frame.sigma) : cv::Mat1b();
 }
@@ -95,11 +95,11 @@ class MapFrames {
 
   std::optional<Frame> TakeWithin(std::chrono::milliseconds time, const std::stop_token& stop) {
     std::optional<Frame> frame = mailbox_.TakeWithin(time, stop);
-    if (!frame) ExpectSigma(false);  // whoever sent it may have ended
+    if (!frame) ExpectSigma(false);  // the process that sent SIGMA may have ended
     return frame;
   }
 
-  /// Why the last message that could not be used could not; empty: all could.
+  /// Why the newest unusable message could not be used; empty: all could.
   std::string complaint() const {
     const std::lock_guard lock(mutex_);
     return complaint_;
@@ -121,7 +121,8 @@ class MapFrames {
     return FrameJoiner(needed);
   }
 
-  // What is pending is lost, and the calibration, which comes again within a second.
+  // Begins a new joiner: pending messages are lost, and the calibration, which comes again within a
+  // second.
   void ExpectSigma(bool expected) {
     const std::lock_guard lock(mutex_);
     if (expected == with_sigma_) return;

@@ -54,13 +54,13 @@ class Measurement {
   int64_t without_calibration_ = 0;
 };
 
-/// What a figure has to keep.
+/// The range in which a figure must lie.
 struct Limit {
   const TargetFigure* figure = nullptr;
   std::optional<double> at_least;  ///< in the figure's unit; one of the two or both
   std::optional<double> at_most;
 
-  /// Both ends are good; a figure that was not measured is not.
+  /// Whether the figure lies in the range, ends included; false when it was not measured.
   bool IsKept(const TargetQuality& quality) const;
 
   /// ">= 98", "<= 0.5", "-1 to 1".
@@ -84,7 +84,7 @@ std::string TableText(const Measurement& measurement, std::span<const Limit> lim
 std::string JsonText(const Measurement& measurement, std::span<const Limit> limits,
                      const std::string& input);
 
-/// Why a figure may be missing that people look for, one line each; empty: none is.
+/// Why figures that people expect may be missing, one line each; empty: none is.
 std::string MissingText(const TargetQuality& quality, const TargetSettings& settings);
 
 }  // namespace sprout::quality

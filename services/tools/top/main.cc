@@ -25,7 +25,7 @@ struct Options {
   double listen_s = 2.5;
 };
 
-// What the statuses on the bus say.
+// Keeps the newest status of every process on the bus.
 class Listener {
  public:
   Listener(const ServiceContext& context, const std::vector<std::string>& stages)
@@ -72,7 +72,7 @@ void Show(const Listener& listener, const Options& options, bool screen) {
 int Watch(const ServiceContext& context, const Options& options) {
   const Listener listener(context, options.stages);
   const bool screen = !options.once && !options.json && isatty(STDOUT_FILENO) != 0;
-  if (screen) SetLogLevel(LogLevel::kNone);  // the screen is the table's
+  if (screen) SetLogLevel(LogLevel::kNone);  // log lines would spoil the table
   SleepFor(std::chrono::duration<double>(options.once ? options.listen_s : 1), context.stop);
   do {
     Show(listener, options, screen);

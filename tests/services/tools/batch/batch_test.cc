@@ -93,7 +93,7 @@ TEST(LogTry, LeavesAFileOfEachTryThatDidNotSucceed) {
   EXPECT_EQ(FailedTries(batch), (std::map<int, int>{{7, 1}}));
 }
 
-// OUT may be a folder in which somebody keeps logs in `failed`, too.
+// The folder `failed` may hold files of the user's as well.
 TEST(LogTry, ForgettingAllLeavesWhatIsNone) {
   const TemporaryDirectory folder;
   const BatchFolder batch(folder / "");

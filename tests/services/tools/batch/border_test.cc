@@ -1,4 +1,4 @@
-// What comes from elsewhere: names of logs, lists, results.
+// Inputs that anybody may have written: names of logs, lists, results.
 #include <gmock/gmock.h>
 #include <unistd.h>
 
@@ -112,7 +112,7 @@ TEST(Slurm, AnArrayWhoseReportIsRefusedIsKnown) {
   EXPECT_EQ(states, "1 PENDING (Resources), 2 RUNNING");
 }
 
-// The program is not there, say: then no failure of a log is noted either.
+// When the program is missing, say, no failure of a log is noted.
 TEST(Slurm, TheTaskThatSaidSomethingLastIsShown) {
   const TemporaryDirectory folder;
   const BatchFolder out(folder / "out");
@@ -154,7 +154,7 @@ TEST(FrameCommands, StandForThemselvesInAShellWhateverIsInTheNames) {
     EXPECT_EQ(process.Wait(std::chrono::seconds(120)), 0) << process.Output();
     EXPECT_EQ(FileText(folder / "calls"), calls) << shell;
     fs::remove(folder / "calls");
-    EXPECT_EQ(folder.CountEntries(), 2);  // nothing but bin and commands: nobody touched PWNED
+    EXPECT_EQ(folder.CountEntries(), 2);  // bin and commands alone: no name has created PWNED
   }
 }
 
@@ -197,7 +197,6 @@ TEST_F(FoundLogsTest, ReadsAListOfWindows) {
   EXPECT_THAT(FindLogs({"@" + (folder_ / "list.txt").string()}), ElementsAre(path));
 }
 
-// A result as a task leaves it.
 class AResult : public TestWithFolder {
  protected:
   void SetUp() override {
@@ -290,7 +289,7 @@ TEST_F(LinkedAnswers, AreThoseOfLogsThatAreDone) {
   EXPECT_THAT(left, ElementsAre(folder_ / "logs/mine.lcm", link_));
 }
 
-// OUT is the folder above that of the logs, one of which is called as another one's answers.
+// The output folder contains the logs, one of which has the name of a link to answers.
 TEST_F(LinkedAnswers, ReplaceNobodysLog) {
   fs::create_directory(folder_ / "logs");
   for (const int log : {0, 1}) {

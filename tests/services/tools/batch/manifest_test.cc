@@ -99,7 +99,7 @@ TEST(Stages, AreRefusedWithGapsAndWhenUnknown) {
   EXPECT_NO_THROW(RequireStages("--stages", {"prior", "grow"}));
 }
 
-// Whatever may change a result is in its name, and nothing else.
+// The name of a result depends on all that may change it, and on nothing else.
 TEST(Results, AreNamedByAllThatDecidesThem) {
   const BatchFolder folder("/out");
   const Manifest before = ExampleManifest();

@@ -174,7 +174,7 @@ TEST_F(QualityProgram, SaysByItsExitCodeWhetherLimitsAreKept) {
   EXPECT_EQ(Json()["good"], false);
   EXPECT_EQ(Json()["limits"][0]["kept"], false);
 
-  // Not measured is not good.
+  // A figure that was not measured does not keep its limit.
   outcome = with("limit { figure: 'z_accuracy_percent' at_least: -1 at_most: 1 }");
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.out, ContainsRegex("Z-accuracy +-   BAD: allowed -1 to 1\n"));
