@@ -65,7 +65,7 @@ class FrameTaker {
 
  private:
   static constexpr Part kParts[] = {Part::kLeft, Part::kRight, Part::kTof, Part::kRig};
-  // The interval of the frames, of which it sees one now and then, is not known.
+  // Long, since the rate of the frames is not known: only one is received now and then.
   static constexpr std::chrono::seconds kPatience{15};
 
   const ServiceContext& context_;
@@ -76,7 +76,7 @@ class FrameTaker {
 
 using Clock = StageMonitor::Clock;
 
-// Looks at a frame now and then, and tells what is seen.
+// Measures on a frame now and then, and publishes the results.
 class Watcher {
  public:
   explicit Watcher(const ServiceContext& context)
@@ -94,7 +94,7 @@ class Watcher {
     while (!stop_.stop_requested()) {
       const std::optional<Frame> frame = taker_.Take([&] { watchdog_.Idle(); });
       if (!frame) return;
-      Look(*frame);
+      Measure(*frame);
       due = std::max(Clock::now(), due + Period());
       WaitUntil(due);
     }
@@ -114,7 +114,7 @@ class Watcher {
     }
   }
 
-  void Look(const Frame& frame) {
+  void Measure(const Frame& frame) {
     const auto arrived = Clock::now();
     monitor_.FrameIn(/*skipped=*/false);
     monitor_.SetRig(frame.id.rig_id);
@@ -122,7 +122,7 @@ class Watcher {
       const Result<std::optional<RigChange>> seen = watch_.Add(frame);
       if (!seen) return monitor_.FrameFailed(frame.id, seen.error().text);
       std::string degenerate;
-      if (*seen) Tell(**seen, frame.rig->pair, degenerate);
+      if (*seen) PublishResult(**seen, frame.rig->pair, degenerate);
       monitor_.FrameOut(frame.id, arrived, degenerate);
     } catch (const std::exception& e) {  // out of memory
       watch_.Forget();
@@ -130,7 +130,7 @@ class Watcher {
     }
   }
 
-  void Tell(const RigChange& change, const RectifiedPair& pair, std::string& degenerate) {
+  void PublishResult(const RigChange& change, const RectifiedPair& pair, std::string& degenerate) {
     if (!publisher_.Publish(kRigChangeChannel, EncodeRigChange(change))) {
       monitor_.Failure(publisher_.failure());
     }
@@ -156,7 +156,7 @@ class Watcher {
   StageMonitor monitor_;
   Publisher publisher_;
   FrameTaker taker_;
-  Watchdog watchdog_;  // frames are not told: one with a result takes many times as long
+  Watchdog watchdog_;  // gets no FrameDone(): a frame with a result takes many times as long
   StatusReporter reporter_;
 };
 
@@ -165,7 +165,7 @@ int Run(const ServiceContext& context) {
     LogLine(LogLevel::kInfo, "self_calibrate.mode is OFF: nothing is looked at");
     return 0;
   }
-  FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres' remarks; what they mean is said in our words
+  FLAGS_minloglevel = google::GLOG_FATAL;  // no remarks of Ceres: failures are reported here
   SetThreads(1);
   LowerPriority();
   Watcher(context).Run();

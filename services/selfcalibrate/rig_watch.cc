@@ -36,7 +36,8 @@ std::string Degrees(const SeenTurn& seen, Eigen::Index axis) {
   return Seen(seen.turn[axis], seen.sigma[axis], kDegrees, 3, "°");
 }
 
-// A shift of the ToF camera looks like a turn, and its standard deviation knows that.
+// A remark on a turn that may be a shift of the ToF camera: both look alike, so its standard
+// deviation is then large.
 std::string PlaceText(const SeenTurn& tof) {
   constexpr double kSure = 3;
   const bool is_either =
@@ -52,7 +53,7 @@ std::string VerdictText(RigChange::Verdict verdict) {
 using calibrate::RigNumber;
 using calibrate::SceneRefinement;
 
-// Matches share errors: one in so many is independent, as the adjustment has it.
+// Matches share errors, so one in so many counts as independent, as in AdjustScene().
 constexpr double kSharing = 4;
 
 // Frames are rectified already: the rig is one of cameras without distortion, and the axes of its
@@ -79,7 +80,7 @@ SeenTurn TurnFrom(const SceneRefinement& refined, RigNumber first) {
   return seen;
 }
 
-// The change of the offset and the curve behind it in one.
+// The change of the offset and the curve that is applied after it, as one curve.
 RangeCorrection WholeCurve(const SceneRefinement& refined) {
   const double offset_m = refined.adjusted.change[calibrate::kRangeOffset];
   const double sigma_m = std::max(0.0, SigmaOf(refined, calibrate::kRangeOffset));
@@ -217,7 +218,7 @@ void RigWatch::FillNumbers(const SceneRefinement& refined, RigChange& change) co
 
 bool RigWatch::IsWrong(const SceneRefinement& refined) const {
   const calibrate::RigNumbers& numbers = refined.adjusted.change;
-  const calibrate::MovedPx moved = calibrate::MostMoved(numbers, pair_);
+  const calibrate::MovedPx moved = calibrate::MaxMoved(numbers, pair_);
   const double per_m = Median(std::vector(refined.adjusted.inverse_depths));
   const double range_px = pair_.focal_px * pair_.baseline_m * per_m * per_m *
                           std::abs(numbers[calibrate::kRangeOffset]);

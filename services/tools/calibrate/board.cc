@@ -18,7 +18,7 @@
 namespace sprout::calibrate {
 namespace {
 
-// By OpenCV's number of each.
+// OpenCV's dictionaries, in the order of their numbers.
 constexpr std::array<std::string_view, 21> kDictionaries = {
     "DICT_4X4_50",         "DICT_4X4_100",       "DICT_4X4_250",       "DICT_4X4_1000",
     "DICT_5X5_50",         "DICT_5X5_100",       "DICT_5X5_250",       "DICT_5X5_1000",
@@ -30,7 +30,7 @@ static_assert(kDictionaries[cv::aruco::DICT_4X4_250] == "DICT_4X4_250" &&
               kDictionaries[cv::aruco::DICT_ARUCO_ORIGINAL] == "DICT_ARUCO_ORIGINAL" &&
               kDictionaries[cv::aruco::DICT_APRILTAG_36h11] == "DICT_APRILTAG_36h11");
 
-// So many markers the board has, and so many there are.
+// Requires that the dictionary has as many markers as the board needs.
 void CheckMarkers(const BoardSize& size, int64_t needed, const std::string& dictionary) {
   const int there = OpenDictionary(dictionary).bytesList.rows;
   if (needed > there) {
@@ -44,10 +44,10 @@ BoardSize Checked(const BoardSize& size) {
   const int64_t squares = int64_t{size.columns} * size.rows;
   const bool has_tags = size.kind == BoardKind::kAprilGrid;
   const int least = has_tags ? 2 : 3;
-  constexpr int kMost = 500;
-  if (size.columns < least || size.rows < least || squares > kMost) {
+  constexpr int kMaxSquares = 500;
+  if (size.columns < least || size.rows < least || squares > kMaxSquares) {
     throw ConfigError(fmt::format("--squares {}x{}: allowed is {}x{} and more, up to {} {} in all",
-                                  size.columns, size.rows, least, least, kMost,
+                                  size.columns, size.rows, least, least, kMaxSquares,
                                   has_tags ? "tags" : "squares"));
   }
   if (has_tags) CheckMarkers(size, squares, "DICT_APRILTAG_36h11");
@@ -90,7 +90,8 @@ Surface MakeSurface(const std::filesystem::path& path, const Eigen::Vector2d& pa
     cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, nullptr);
   } else if (path.extension() == ".svg") {
     surface = cairo_svg_surface_create_for_stream(&Append, &bytes, points.x(), points.y());
-    // What Cairo writes without this depends on its version; a number without a unit is in pixels.
+    // The unit is set, since Cairo's default depends on its version; a size without unit is in
+    // pixels.
     cairo_svg_surface_set_document_unit(surface, CAIRO_SVG_UNIT_PT);
   } else {
     throw ConfigError("--out " + path.string() + ": allowed is a name that ends in .pdf or .svg");
@@ -198,7 +199,8 @@ Eigen::Vector2d Board::extent_m() const {
 }
 
 cv::Mat1b Board::Modules() const {
-  // OpenCV places markers to a pixel, so each module gets several, of which the middle one counts.
+  // OpenCV places markers on whole pixels, so it draws several a module, of which the middle is
+  // taken.
   constexpr int kPixels = 5;
   const cv::Size size(size_.columns * kModulesPerSquare, size_.rows * kModulesPerSquare);
   cv::Mat1b modules;

@@ -11,12 +11,12 @@
 namespace sprout::calibrate {
 namespace {
 
-// OpenCV's detector wants markers of some 20 px and edges of several.
+// OpenCV's detector needs markers of some 20 px and edges of several px.
 constexpr int kUpscale = 4;
 
-// Half a window, of a square's side: it ends where the marker begins. Where pixels are few, it
-// reaches a little further, on an image that is smoothed by so many of the small pixels: their
-// squares' stairs would move the corner (NOTES.md).
+// Half a corner's window, in sides of a square: it ends where the marker begins. In an image of few
+// pixels it reaches a little further, on an upscaled and smoothed image: the stairs of its pixels
+// would move the corner (NOTES.md).
 constexpr double kWindowPerSquare = 0.12;
 constexpr double kSmallWindowPerSquare = 0.16;
 constexpr double kSmoothing = 2.5;
@@ -24,7 +24,7 @@ constexpr int kMinHalfWindow = 2;
 constexpr int kMaxHalfWindow = 11;
 const cv::TermCriteria kSubpixelSteps(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 50, 1e-4);
 
-// A corner that moved further than this share of a square is another one, or none.
+// A corner that moves further than this share of a square is not the one that was found.
 constexpr double kMaxMovePerSquare = 0.25;
 
 // Where two black and two white squares meet, grey levels curve up one way and down the other; at
@@ -70,7 +70,7 @@ double SaddleStrength(const cv::Mat1f& image, const cv::Point2d& p, double step)
   return std::sqrt(std::max(0.0, xy * xy / 4 - xx * yy / 4));
 }
 
-// Moves each corner to where it is; leaves out those that are none.
+// Moves each corner to its sub-pixel position; leaves out places that do not look like a corner.
 BoardCorners Refined(const BoardCorners& corners, int columns, const cv::Mat1f& image,
                      double window_per_square) {
   double darkest = 0;
@@ -97,7 +97,7 @@ BoardCorners Refined(const BoardCorners& corners, int columns, const cv::Mat1f& 
   return refined;
 }
 
-// A pixel of an image and of one that has kUpscale times as many a side.
+// Coordinates of the upscaled image to those of the image, and back.
 cv::Point2d Down(const cv::Point2d& p) {
   return {(p.x + 0.5) / kUpscale - 0.5, (p.y + 0.5) / kUpscale - 0.5};
 }

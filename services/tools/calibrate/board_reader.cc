@@ -14,8 +14,8 @@ namespace {
 
 using aruco::Quad;
 
-// Whether markers lie as on the board: up to the lens's distortion, one homography takes most of
-// them from there to the image.
+// Whether markers lie as on the board: but for the lens's distortion, one homography maps most of
+// them from the board to the image.
 bool LieAsOn(const aruco::CharucoBoard& board, const std::vector<Quad>& markers,
              const std::vector<int>& ids) {
   constexpr double kMaxOffPerSide =
@@ -41,7 +41,7 @@ bool LieAsOn(const aruco::CharucoBoard& board, const std::vector<Quad>& markers,
   return 2 * std::ranges::count(fits, 1) >= std::ssize(ids) * 4;
 }
 
-// OpenCV's corners are half a pixel off, and badly placed where few markers are.
+// OpenCV's corners are half a pixel off, and inaccurate where few markers were found.
 BoardCorners ReadCharuco(const Board& board, const cv::Mat1b& image) {
   std::vector<Quad> markers;
   std::vector<int> marker_ids;
@@ -160,7 +160,7 @@ cv::Point2f MiddleOf(const Quad& quad) { return (quad[0] + quad[1] + quad[2] + q
 // Tags are counted from the lower left one to the right and upwards, as Kalibr does. How a tag
 // itself is turned is not used: where its corners are is told by all tags together.
 BoardCorners ReadAprilGrid(const Board& board, const cv::Mat1b& image) {
-  constexpr size_t kFewestTags = 4;
+  constexpr size_t kMinTags = 4;
   constexpr double kMaxOffPerGap = 1;  // of a tag's middle from where the others say it is
   const BoardSize& size = board.size();
   const auto [ids, tags] = FindTags(image);
@@ -180,14 +180,14 @@ BoardCorners ReadAprilGrid(const Board& board, const cv::Mat1b& image) {
     first_corners.push_back(2 * row * board.corner_columns() + 2 * column);
     side_px += cv::norm(tags[i][1] - tags[i][0]);
   }
-  if (on_board.size() < kFewestTags) return corners;
+  if (on_board.size() < kMinTags) return corners;
   side_px /= static_cast<double>(on_board.size());
   std::vector<uchar> fits;
   const cv::Mat1d image_from_board = cv::findHomography(on_board, in_image, fits, cv::RANSAC,
                                                         kMaxOffPerGap * size.gap_per_tag * side_px);
   const bool is_seen = !image_from_board.empty() && cv::determinant(image_from_board) > 0 &&
                        2 * static_cast<size_t>(std::ranges::count(fits, 1)) >= ids.size() &&
-                       static_cast<size_t>(std::ranges::count(fits, 1)) >= kFewestTags;
+                       static_cast<size_t>(std::ranges::count(fits, 1)) >= kMinTags;
   if (!is_seen) return corners;
   std::map<int, cv::Point2d> sorted;
   for (size_t i = 0; i < first_corners.size(); ++i) {
@@ -224,20 +224,20 @@ BoardCorners ReadBoard(const Board& board, const cv::Mat1b& image) {
 
 std::string SeenBoards(const std::vector<cv::Mat1b>& images) {
   // A larger dictionary begins with the smaller ones of the same number of bits.
-  constexpr std::array kLargest = {
+  constexpr std::array kLargestDictionaries = {
       "DICT_4X4_250",        "DICT_5X5_250",       "DICT_6X6_250",       "DICT_7X7_250",
       "DICT_4X4_1000",       "DICT_5X5_1000",      "DICT_6X6_1000",      "DICT_7X7_1000",
       "DICT_ARUCO_ORIGINAL", "DICT_APRILTAG_16h5", "DICT_APRILTAG_25h9", "DICT_APRILTAG_36h11"};
-  constexpr size_t kFewestMarkers = 4;
+  constexpr size_t kMinMarkers = 4;
   std::string text;
-  size_t most = kFewestMarkers - 1;
+  size_t most = kMinMarkers - 1;
   const auto take = [&](size_t count, const std::string& what) {
     if (count <= most) return;
     most = count;
     text = fmt::format("{} {}", count, what);
   };
   for (const cv::Mat1b& image : images) {
-    for (const char* name : kLargest) {
+    for (const char* name : kLargestDictionaries) {
       std::vector<Quad> markers;
       std::vector<int> ids;
       aruco::FindMarkers(image, OpenDictionary(name), markers, ids);

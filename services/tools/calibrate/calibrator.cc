@@ -15,8 +15,8 @@ bool IsUsable(const Board& board, const BoardCorners& corners) {
   return corners.size() >= kMinCorners && !IsOneLine(board, corners);
 }
 
-// Takes out what says too little, and views of which nothing is left.
-void DropPoor(const Board& board, std::vector<BoardView>& views) {
+// Removes corners of cameras that see too few, and views of which nothing is left.
+void DropUnusable(const Board& board, std::vector<BoardView>& views) {
   for (BoardView& view : views) {
     for (BoardCorners& corners : view.corners) {
       if (!IsUsable(board, corners)) corners = {};
@@ -28,7 +28,7 @@ void DropPoor(const Board& board, std::vector<BoardView>& views) {
   });
 }
 
-// Where the model has the board's corners in the ToF image.
+// The board's corners in the ToF image by the model.
 BoardCorners ExpectedInTof(const Board& board, const RigModel& model, size_t view) {
   const cv::Rect2d image({0, 0}, cv::Size2d(model.lenses[kTof].size()));
   BoardCorners expected;
@@ -43,7 +43,7 @@ BoardCorners ExpectedInTof(const Board& board, const RigModel& model, size_t vie
 
 void FindMoreInTof(const Board& board, const RigModel& model, std::vector<BoardView>& views) {
   for (size_t i = 0; i < views.size(); ++i) {
-    // Where no other camera sees the board, nothing is expected but what was found.
+    // Without another camera's corners the model knows no more corners than were found.
     if (views[i].corners[kLeft].ids.empty() && views[i].corners[kRight].ids.empty()) continue;
     BoardCorners corners =
         FindCornersNear(board, ExpectedInTof(board, model, i), views[i].tof.amplitude);
@@ -74,7 +74,7 @@ Result<void> CheckFoundRig(const RawRig& rig) {
 
 Result<Calibration> Calibrate(const Board& board, const std::array<cv::Size, kCameraCount>& sizes,
                               std::vector<BoardView> views) {
-  DropPoor(board, views);
+  DropUnusable(board, views);
   Result<RigModel> first = InitialModel(board, sizes, views);
   if (!first) return tl::unexpected(first.error());
   Result<RefinedModel> refined = RefineModel(board, views, {}, *first);

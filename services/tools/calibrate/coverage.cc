@@ -13,7 +13,7 @@ namespace sprout::calibrate {
 namespace {
 
 constexpr double kTiltedSine = 0.26;  // 15°
-constexpr int kFewTilted = 2;         // of each kind
+constexpr int kMinTilted = 2;         // of each kind
 
 constexpr std::array<const char*, Coverage::kTilts> kTiltNames = {"right edge", "left edge",
                                                                   "lower edge", "upper edge"};
@@ -24,8 +24,8 @@ std::vector<cv::Point2d> PlacesOf(const Board& board, const std::vector<int>& id
   return places;
 }
 
-// All corners of a board that shows some, as far as they can be told: those whose markers are too
-// small to be read lie where the others say.
+// The found corners, and those whose markers are too small to be read, at the places that the
+// others predict.
 BoardCorners AllCorners(const Board& board, const BoardCorners& found, const cv::Mat1f& amplitude) {
   if (found.size() < kMinCorners) return {};
   const cv::Mat homography = cv::findHomography(PlacesOf(board, found.ids), found.pixels);
@@ -44,7 +44,7 @@ constexpr double kNewShift = 0.01;
 // exposures are 5 ms apart (rig.proto, max_spread_ms), corners move by 0.2 px of 2000 meanwhile.
 constexpr double kStillShiftPerS = 0.02;
 
-// Two triplets that are further apart than this say nothing about motion.
+// Triplets that are further apart in time than this, µs, do not show whether the board moves.
 constexpr int64_t kMotionUs = 500'000;
 
 // Mean distance of the corners that both have, px; nothing when there are few.
@@ -138,18 +138,18 @@ std::vector<std::string> Coverage::Missing() const {
   std::vector<std::string> missing;
   for (const CameraIndex camera : {kLeft, kRight, kTof}) {
     if (camera == kTof && !HasTof()) continue;
-    if (views(camera) < kFewViews) {
+    if (views(camera) < kMinViewsOfCamera) {
       missing.push_back(fmt::format("the {} camera has {} views of {} or more",
-                                    kCameraNames[camera], views(camera), kFewViews));
+                                    kCameraNames[camera], views(camera), kMinViewsOfCamera));
     }
     for (std::string& line : MissingNinths(kCameraNames[camera], ninths(camera))) {
       missing.push_back(std::move(line));
     }
   }
   for (size_t tilt = 0; tilt < kTilts; ++tilt) {
-    if (tilted_[tilt] >= kFewTilted) continue;
+    if (tilted_[tilt] >= kMinTilted) continue;
     missing.push_back(fmt::format("tilt the board by 20 to 40 degrees, its {} nearer ({} of {})",
-                                  kTiltNames[tilt], tilted_[tilt], kFewTilted));
+                                  kTiltNames[tilt], tilted_[tilt], kMinTilted));
   }
   if (farthest_ < kMinRangeRatio * nearest_ || nearest_ == 0) {
     missing.emplace_back("show the board nearer and farther, over the ranges that you will need");
@@ -203,7 +203,8 @@ void ViewCollector::Add(const RigImages& images, std::optional<int64_t> utime) {
   const bool moves = Moves(pair, utime, sizes[kLeft].width);
   if (std::max(pair.left.size(), pair.right.size()) < kMinCorners) {
     ++counts_.no_board;
-    if (strange_.size() < kMaxStrange) strange_.push_back(ToGrey(images.left).clone());
+    if (images_without_board_.size() < kMaxWithoutBoard)
+      images_without_board_.push_back(ToGrey(images.left).clone());
     if (std::max(pair.left.markers, pair.right.markers) >= kMinCorners) ++counts_.foreign;
   } else if (moves) {
     ++counts_.moving;

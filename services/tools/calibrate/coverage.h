@@ -12,8 +12,8 @@
 
 namespace sprout::calibrate {
 
-// What a good calibration needs from its views.
-inline constexpr int kFewViews = 15;  ///< of each camera, at least
+// What a good calibration needs of its views.
+inline constexpr int kMinViewsOfCamera = 15;  ///< of each camera, at least
 inline constexpr int kMinCornersInNinth = 8;
 inline constexpr double kMinRangeRatio = 1.25;  ///< of farthest and nearest board
 
@@ -76,7 +76,7 @@ struct ViewCounts {
   int no_board = 0;    ///< neither left nor right sees kMinCorners corners
   int foreign = 0;     ///< of these: with markers of another board
   int moving = 0;      ///< the board moved
-  int similar = 0;     ///< the board was there in an earlier view
+  int similar = 0;     ///< the board was at that place in an earlier view
   int two_sizes = 0;   ///< left and right differ in size
   int other_size = 0;  ///< not of the first view's size
   int too_many = 0;    ///< beyond kMaxViews
@@ -88,7 +88,7 @@ class ViewCollector {
  public:
   /// Most views that are kept: more do not improve the result, but take longer.
   static constexpr int kMaxViews = 100;
-  static constexpr size_t kMaxStrange = 3;
+  static constexpr size_t kMaxWithoutBoard = 3;
 
   explicit ViewCollector(const Board& board) : board_(board) {}
 
@@ -106,8 +106,8 @@ class ViewCollector {
   /// them, so that a stray frame does not exclude all others.
   const std::array<cv::Size, kCameraCount>& sizes() const { return sizes_; }
 
-  /// Left images without a board, the first kMaxStrange of them, to be looked into.
-  const std::vector<cv::Mat1b>& strange() const { return strange_; }
+  /// Left images without a board, the first kMaxWithoutBoard of them, to be looked into.
+  const std::vector<cv::Mat1b>& images_without_board() const { return images_without_board_; }
 
   /// The triplet in which the cameras see most of the board, for the report. Empty without views.
   const RigImages& best_images() const { return best_images_; }
@@ -132,7 +132,7 @@ class ViewCollector {
   std::array<cv::Size, kCameraCount> sizes_;
   std::vector<BoardView> views_;
   std::optional<Timed> newest_;
-  std::vector<cv::Mat1b> strange_;
+  std::vector<cv::Mat1b> images_without_board_;
   RigImages best_images_;
   int best_corners_ = 0;
 };

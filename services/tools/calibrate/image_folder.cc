@@ -100,7 +100,7 @@ std::vector<std::string> FilesOf(const fs::path& folder, std::string_view prefix
   return found;
 }
 
-// What a user should know of it.
+// Notes for the user: images without a partner, how bits were used.
 std::vector<std::string> NotesOf(const fs::path& folder, const PairedNames& paired,
                                  const std::vector<std::string>& lefts,
                                  const std::vector<std::string>& rights) {
@@ -160,7 +160,7 @@ void WriteImages(const std::filesystem::path& folder, const std::string& name,
     write("tof_amplitude", ".tiff", images.tof.amplitude);
   }
   write("right", ".png", images.right);
-  write("left", ".png", images.left);  // the last one: with it the triplet is there
+  write("left", ".png", images.left);  // last: a left image shows that the triplet is complete
 }
 
 }  // namespace sprout::calibrate

@@ -143,20 +143,20 @@ int RunBoard(const Options& options) {
 
 // What the images without a board show instead, and what was looked for.
 std::string LookedForText(const ViewCollector& collector, const Board& board) {
-  const std::string seen = SeenBoards(collector.strange());
+  const std::string seen = SeenBoards(collector.images_without_board());
   return fmt::format("found {}; looked for a {} (--board, --squares, --dictionary)",
                      seen.empty() ? "no board at all" : seen, BoardText(board.size()));
 }
 
-// Shows the board's views, file by file. That the first images are without it is said before all
-// others are searched: OpenCV takes up to a second for an image that lacks the chessboard.
+// Collects the board's views, file by file. Warns early if the first images do not show it: OpenCV
+// takes up to a second for an image that lacks the chessboard.
 ViewCollector Collect(const Board& board, const Options& options) {
   ViewCollector collector(board);
   Progress progress(/*quiet=*/false);
   const auto show = [&](const fs::path& input) {
     const int tried = collector.counts().images;
     const bool none_seen = tried == collector.counts().no_board;
-    if (none_seen && std::cmp_equal(tried, ViewCollector::kMaxStrange + 1)) {
+    if (none_seen && std::cmp_equal(tried, ViewCollector::kMaxWithoutBoard + 1)) {
       progress.Clear();
       std::cerr << fmt::format("sprout-calibrate: the first {} images are without the board: {}\n",
                                tried, LookedForText(collector, board));
@@ -360,7 +360,7 @@ void AddImport(Flags& program, Options& options) {
 }  // namespace
 
 int CalibrateMain(int argc, const char* const* argv) {
-  FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres' remarks; what they mean is said in our words
+  FLAGS_minloglevel = google::GLOG_FATAL;  // no remarks of Ceres: failures are reported here
   Flags flags("sprout-calibrate", kDescription);
   Options options;
   flags.RequireCommand();

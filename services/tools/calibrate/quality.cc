@@ -177,9 +177,9 @@ class Verdict {
   void Camera(CameraIndex index, const Lens& lens) {
     const CameraQuality& camera = quality_.cameras[index];
     const char* name = kCameraNames[index];
-    if (camera.views < kFewViews) {
+    if (camera.views < kMinViewsOfCamera) {
       Add("the {} camera sees the board in {} views only: show it in {} or more", name,
-          camera.views, kFewViews);
+          camera.views, kMinViewsOfCamera);
     }
     for (std::string& line : MissingNinths(name, camera.corners_in_ninth)) {
       reasons_.push_back(std::move(line));

@@ -10,7 +10,7 @@ namespace {
 // At the rim of a square a pixel sees two colours, and at that of the board what is behind it.
 constexpr double kRimPerSquare = 0.1;
 
-// Fewer say little, and at a slant not where the square is.
+// The mean of fewer pixels is noisy, and on a slant not at the middle of the square.
 constexpr int kMinPixels = 6;
 
 struct SquareSum {

@@ -46,7 +46,7 @@ class Reader {
 
   SceneRefiner& Read() {
     const auto inputs = static_cast<int64_t>(options_.inputs.size());
-    most_of_input_ = std::max<int64_t>(1, SceneRefiner::kMaxViews / inputs);
+    max_of_input_ = std::max<int64_t>(1, SceneRefiner::kMaxViews / inputs);
     for (const fs::path& input : options_.inputs) {
       if (fs::is_directory(input)) {
         ReadFolder(input);
@@ -65,7 +65,7 @@ class Reader {
 
   const RigDescription& description() const { return description_; }
 
-  /// What goes in, all frames that were used together.
+  /// Findings about the inputs, of all frames that were used together.
   inputs::Findings FindingsOfAll() const { return inputs::Combine(findings_); }
 
  private:
@@ -81,10 +81,10 @@ class Reader {
     if (!rectifier_) throw ConfigError(input.string() + ": " + why + ": --rig is needed");
   }
 
-  // Evenly over an input.
+  // Adds a frame if it is one of those that are chosen evenly over an input.
   template <typename Add>
   void Choose(int64_t index, int64_t count, const fs::path& input, const Add& add) {
-    const int64_t used = std::min(count, most_of_input_);
+    const int64_t used = std::min(count, max_of_input_);
     if (index * used / count == (index + 1) * used / count) return;
     progress_.ShowTime(input.string() + ": frame " + std::to_string(index + 1) + " of " +
                        std::to_string(count));
@@ -168,14 +168,14 @@ class Reader {
   }
 
   const RefineOptions& options_;
-  bool finds_;                              // what goes in is examined as well
+  bool finds_;                              // whether inputs are checked for findings
   std::vector<inputs::Findings> findings_;  // of each frame
   RigDescription description_;
   std::optional<Rectifier> rectifier_;  // with --rig
   std::optional<SceneRefiner> refiner_;
   std::optional<std::string> rig_id_;  // of the rectified frames so far
   Progress progress_{/*quiet=*/false};
-  int64_t most_of_input_ = 1;
+  int64_t max_of_input_ = 1;
   int64_t used_ = 0;
   std::string refusal_ = "there is none";
 };
@@ -191,7 +191,7 @@ std::string RefineCommand(const RefineOptions& options) {
   return command + " --out new.textproto";
 }
 
-// What is bad of what goes in, when there is no refinement.
+// The bad findings about the inputs, for the report when there is no refinement.
 std::vector<std::string> BadOf(const inputs::Findings& findings) {
   std::vector<std::string> bad;
   for (const inputs::Finding& finding : findings) {

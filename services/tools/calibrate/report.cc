@@ -32,7 +32,7 @@ struct Row {
   std::string value;
 };
 
-// What is to be known about the whole rig.
+// The figures of the whole rig.
 std::vector<Row> RigRows(const Calibration& calibration) {
   const CalibrationQuality& quality = calibration.quality;
   const RawRig& rig = calibration.rig;
@@ -112,7 +112,7 @@ std::string PoseTable(const Calibration& calibration) {
 constexpr int kCoverageWidth = 480;
 constexpr int kPairWidth = 1400;
 constexpr int kTofWidth = 1000;
-constexpr double kDarker = 0.7;  // so that dots stand out
+constexpr double kDarker = 0.7;  // makes dots stand out
 constexpr int kRows = 16;
 const cv::Scalar kRowColor(60, 200, 60);
 const cv::Scalar kGridColor(190, 190, 190);

@@ -12,7 +12,7 @@
 namespace sprout::calibrate {
 namespace {
 
-// What follows starts from here, and moves on by more than this.
+// Coarse, since the refinement moves the result by more.
 const cv::TermCriteria kFirstSteps(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 30, 1e-5);
 
 using BoardPoses = std::vector<std::optional<Eigen::Isometry3d>>;  // camera from board, each view

@@ -19,9 +19,9 @@ using PoseBlock = std::array<double, kPoseNumbers>;
 // First standard deviation of corners: before the first solution they are some pixels from where
 // the model has them.
 constexpr double kFirstSigmaPx = 2;
-// What no corner finder falls below; keeps an artificial input without noise from dividing by 0.
+// No corner finder is better; keeps an artificial input without noise from a division by 0.
 constexpr double kMinSigmaPx = 0.002;
-// First and least standard deviation of ranges, as above.
+// First and smallest standard deviation of ranges, as above.
 constexpr double kFirstSigmaM = 0.05;
 constexpr double kMinSigmaM = 1e-5;
 // Solutions until the sigmas stand still, to a percent.

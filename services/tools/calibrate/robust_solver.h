@@ -6,7 +6,7 @@
 
 namespace sprout::calibrate {
 
-// What both bundle adjustments, with a board and without, share of Ceres.
+// Use of Ceres by both bundle adjustments, with a board and without.
 
 /// Standard deviation of a Gaussian with the same median of |value|; 0 without values.
 double RobustSigma(std::vector<double> values);

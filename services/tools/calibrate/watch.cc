@@ -35,7 +35,7 @@ namespace fs = std::filesystem;
 
 constexpr std::array kParts = {Part::kLeft, Part::kRight, Part::kTof};
 
-// Two that number their views would replace each other's. For as long as the process lives.
+// Locks the folder while the process lives: two processes would replace each other's views.
 void Lock(const fs::path& folder) {
   const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   // Some network file systems have no locks.
@@ -51,7 +51,7 @@ class ViewFolder {
  public:
   ViewFolder(const Board& board, const fs::path& folder)
       : folder_(folder), collector_(board), coverage_(board) {
-    RequireWritableFolder("--out", folder, {"left_0001.png"});  // not when the board has been shown
+    RequireWritableFolder("--out", folder, {"left_0001.png"});  // checked before the board is shown
     Lock(folder);
     // The left image of a view is written last.
     const bool has_view = std::ranges::any_of(
@@ -65,7 +65,7 @@ class ViewFolder {
     }
   }
 
-  // Whether the view is a new one; then it is in the folder.
+  // Writes the view to the folder if it is a new one. @returns whether it is.
   bool AddAndWrite(const Frame& frame) {
     const RigImages images{.left = frame.left, .right = frame.right, .tof = *frame.tof};
     if (!Add(images, frame.id.utime)) return false;
@@ -132,7 +132,9 @@ class RawFrames {
     if (!part) return;
     Result<std::vector<Frame>> frames = joiner_.AddMessage(*part, bytes);
     if (!frames) {
-      // Frames without it do not complete, which the silence tells; why, is told once.
+      // Frames without this part do not complete, of which SilenceWatch warns; the reason is
+      // printed
+      // once.
       if (!complained_) std::cerr << "sprout-calibrate: " << frames.error().text << std::endl;
       complained_ = true;
       return;

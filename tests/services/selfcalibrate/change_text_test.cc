@@ -2,7 +2,7 @@
 
 #include "services/selfcalibrate/rig_watch.h"
 
-// What people read of a change.
+// The texts about a change, for people.
 namespace sprout::selfcalibrate {
 namespace {
 

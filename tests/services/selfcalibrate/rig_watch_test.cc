@@ -35,7 +35,7 @@ SelfCalibrateConfig Config() {
   return config;
 }
 
-// What capture makes of images of a rig that it takes for `calibrated`.
+// Frames of a real rig, rectified by the calibration `calibrated`.
 class WatchedRig {
  public:
   explicit WatchedRig(const RawRig& calibrated)
@@ -54,7 +54,7 @@ class WatchedRig {
     return watch_.Add(frame);
   }
 
-  // What kFrames of a scene show.
+  // The result of kFrames frames of a scene.
   RigChange See(const RawRig& real, bool with_tof = true, uint32_t scene = 3) {
     for (int i = 1; i < kFrames; ++i) {
       const auto nothing = Add(RenderScene(real, scene, 20 * seq_, with_tof));
@@ -152,7 +152,7 @@ TEST(RigWatch, SeesATurnedToFCameraAndItsRanges) {
   for (const double turn : seen.right.turn) EXPECT_LT(std::abs(turn), 0.02 * kDegree);
 }
 
-// What the watch would add to ranges that are off as said, along the ray.
+// The curve that the watch finds for ranges that are off by `error_m` along the ray.
 RangeCorrection CurveFor(const std::function<double(double)>& error_m) {
   const RawRig rig = calibrate::TrueRig({640, 480});
   WatchedRig watched(rig);

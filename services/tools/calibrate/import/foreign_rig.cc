@@ -23,7 +23,7 @@ ConfigError Bad(const ForeignFile& file, const std::string& what) {
   return ConfigError(file.path.string() + ": " + what);
 }
 
-// So many finite numbers of a list, or of a list of lists; 0: any number of them.
+// The finite numbers of a list, or of a list of lists: `count` of them; 0: any number.
 std::vector<double> Numbers(const ForeignFile& file, const YAML::Node& node,
                             const std::string& name, size_t count) {
   std::vector<double> numbers;
@@ -49,13 +49,12 @@ std::string Word(const YAML::Node& node) {
   return node.IsDefined() && node.IsScalar() ? node.as<std::string>() : "";
 }
 
-constexpr std::string_view kOpencvsLine = "%YAML:1.0";
+constexpr std::string_view kOpencvYamlLine = "%YAML:1.0";
 
 using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using RowMajor4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 
-// The entries of the file and of its cameras: YAML allows a name once, and the library takes the
-// first of several.
+// Refuses names that the file or one of its cameras has twice: yaml-cpp would take the first.
 void RequireNamesOnce(const ForeignFile& file, const YAML::Node& map, bool is_file) {
   std::set<std::string> names;
   for (const auto& entry : map) {
@@ -106,7 +105,7 @@ ForeignCamera KalibrCamera(const ForeignFile& file, const std::string& name,
   return camera;
 }
 
-// The camera that stands on the left becomes the left one.
+// Swaps the cameras where the second one stands on the left.
 ForeignRig InOrder(ForeignRig rig) {
   if (rig.left_from_right.translation_m.x() >= 0) return rig;
   std::swap(rig.left, rig.right);
@@ -254,16 +253,17 @@ ForeignRig RosRig(const std::vector<ForeignFile>& files, const std::vector<YAML:
           .left_from_right = PoseOfRectified(left.rectification, right.rectification)};
 }
 
-// PyYAML's matrices are lists in block style, which OpenCV does not read.
-std::vector<ForeignFile> InOpencvsWords(std::vector<ForeignFile> files,
-                                        const std::vector<YAML::Node>& roots) {
+// Rewrites files in flow style: PyYAML's matrices are lists in block style, which OpenCV cannot
+// read.
+std::vector<ForeignFile> InFlowStyle(std::vector<ForeignFile> files,
+                                     const std::vector<YAML::Node>& roots) {
   for (size_t i = 0; i < files.size(); ++i) {
     if (IsOpencvFile(files[i])) continue;
     for (const auto& entry : roots[i]) {
       YAML::Node value = entry.second;
       if (value.IsSequence()) value.SetStyle(YAML::EmitterStyle::Flow);
     }
-    files[i].text = std::string(kOpencvsLine) + "\n---\n" + YAML::Dump(roots[i]) + "\n";
+    files[i].text = std::string(kOpencvYamlLine) + "\n---\n" + YAML::Dump(roots[i]) + "\n";
   }
   return files;
 }
@@ -278,9 +278,9 @@ ForeignRig ReadYamlRig(const std::vector<ForeignFile>& files) {
       throw Bad(file, "no text, but binary, as of NumPy or Matlab; allowed are YAML, XML and JSON");
     }
     try {
-      // A line of OpenCV, which other readers refuse, and other writers copy.
-      const bool is_copied = file.text.starts_with(kOpencvsLine);
-      roots.push_back(YAML::Load(is_copied ? file.text.substr(kOpencvsLine.size()) : file.text));
+      // OpenCV's first line, which yaml-cpp refuses, and which other programs copy.
+      const bool is_copied = file.text.starts_with(kOpencvYamlLine);
+      roots.push_back(YAML::Load(is_copied ? file.text.substr(kOpencvYamlLine.size()) : file.text));
     } catch (const YAML::Exception& e) {
       throw Bad(file, std::string("no YAML: ") + e.what() + kCure);
     }
@@ -300,7 +300,7 @@ ForeignRig ReadYamlRig(const std::vector<ForeignFile>& files) {
   const bool has_lists = std::ranges::any_of(roots, [](const YAML::Node& root) {
     return std::ranges::any_of(root, [](const auto& entry) { return entry.second.IsSequence(); });
   });
-  if (has_lists) return ReadOpencvRig(InOpencvsWords(files, roots));
+  if (has_lists) return ReadOpencvRig(InFlowStyle(files, roots));
   throw Bad(files[0], std::string("no calibration that is known") + kCure);
 }
 
@@ -324,8 +324,8 @@ void RequireRotation(const std::string& name, const Eigen::Matrix3d& matrix) {
 }
 
 Result<LensFit> ToLens(const ForeignCamera& camera) {
-  constexpr double kMostSkewPx = 1e-3;  // rounding
-  if (const double skew_px = camera.k(0, 1); std::abs(skew_px) > kMostSkewPx) {
+  constexpr double kMaxSkewPx = 1e-3;  // rounding
+  if (const double skew_px = camera.k(0, 1); std::abs(skew_px) > kMaxSkewPx) {
     return Fail(fmt::format("{}: its camera matrix has a skew of {:g} px; allowed: 0", camera.name,
                             skew_px));
   }
@@ -334,7 +334,8 @@ Result<LensFit> ToLens(const ForeignCamera& camera) {
                 ": the last row of its camera matrix is not 0, 0, 1: is it "
                 "transposed, as Matlab's IntrinsicMatrix?");
   }
-  // With other counts OpenCV asserts. None: no distortion, which a fisheye lens always has.
+  // OpenCV fails an assertion for other counts. 0 is no distortion, but a fisheye lens always has
+  // one.
   constexpr std::array<size_t, 6> kCounts = {0, 4, 5, 8, 12, 14};
   const size_t count = camera.distortion.size();
   const bool is_known =

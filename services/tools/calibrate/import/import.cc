@@ -18,11 +18,10 @@
 namespace sprout::calibrate {
 namespace {
 
-// A longer baseline in m is one in mm, or in squares of a board: pairs of cameras are nearer, and
-// those that are not say so.
-constexpr double kLongestUnsaidM = 1;
-// A shorter one is none in mm or cm.
-constexpr double kShortestM = 0.001;
+// A longer baseline is in mm or in squares of a board, not in m, unless the user gives the unit.
+constexpr double kMaxImportedBaselineM = 1;
+// A shorter baseline is not possible, also not as one in mm or cm.
+constexpr double kMinImportedBaselineM = 0.001;
 constexpr char kUnits[] = "; allowed: --unit mm, cm, m, or metres (0.025: squares of 25 mm)";
 
 cv::Size SizeOf(const std::string& text) {
@@ -71,7 +70,8 @@ Lens LensOf(const ForeignCamera& camera) {
 void ScaleToMetres(const ImportOptions& options, Pose& pose) {
   pose.translation_m *= MetresPerUnit(options.unit);
   const double baseline_m = pose.translation_m.norm();
-  if ((options.unit.empty() && baseline_m > kLongestUnsaidM) || baseline_m < kShortestM) {
+  if ((options.unit.empty() && baseline_m > kMaxImportedBaselineM) ||
+      baseline_m < kMinImportedBaselineM) {
     throw ConfigError(fmt::format("the cameras are {:g} m apart, if the unit of the file is {}{}",
                                   baseline_m, options.unit.empty() ? "m" : options.unit, kUnits));
   }

@@ -40,7 +40,7 @@ const Names kSize = {"imagesize", "size", "imgsize", "framesize", "resolution"};
 const Names kWidth = {"imagewidth", "width", "leftwidth", "imgwidth"};
 const Names kHeight = {"imageheight", "height", "leftheight", "imgheight"};
 
-// A calibration has some 4.
+// Most levels of nesting; a calibration has some 4.
 constexpr int kMaxDepth = 100;
 
 // "LEFT.K" and "left_k" are one name.
@@ -53,8 +53,8 @@ std::string Plain(std::string_view name) {
   return plain;
 }
 
-// How deep lists, maps (YAML, JSON) and elements (XML) of a text lie in each other, at most. OpenCV
-// reads them by recursion.
+// The largest depth of nested lists, maps (YAML, JSON) and elements (XML) in a text, which OpenCV
+// reads by recursion.
 int DepthOf(std::string_view text) {
   int depth = 0;
   int most = 0;
@@ -73,13 +73,13 @@ Eigen::Matrix3d Square(const cv::Mat1d& m) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(m.ptr<double>());
 }
 
-// Of a text that it cannot parse OpenCV gives its own function as the reason, and the line and the
-// reason as the function.
+// The reason of an exception. For a text that cannot be parsed OpenCV gives line and reason as the
+// name of the function.
 std::string ReasonOf(const cv::Exception& e) {
   return e.code == cv::Error::StsParseError && !e.func.empty() ? e.func : e.err;
 }
 
-// Whether two entries say the same.
+// Whether two entries have the same value.
 bool AreEqual(const cv::FileNode& a, const cv::FileNode& b) {
   if (a.type() != b.type() || a.size() != b.size()) return false;
   if (a.isString()) return static_cast<std::string>(a) == static_cast<std::string>(b);
@@ -116,7 +116,7 @@ class Entries {
                           std::to_string(depth) + ", allowed: up to " + std::to_string(kMaxDepth));
       }
       try {
-        // A format that is not written down is that of the text's begin.
+        // Without a given format OpenCV finds it by the beginning of the text.
         cv::FileStorage& storage =
             storages_.emplace_back(file.text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
         const cv::FileNode root = storage.root();
@@ -155,7 +155,7 @@ class Entries {
       } else {
         *node >> matrix;
       }
-    } catch (const cv::Exception&) {  // an empty matrix says it all
+    } catch (const cv::Exception&) {  // no matrix: the result stays empty
     }
     if (matrix.empty() || matrix.channels() != 1 || !cv::checkRange(matrix)) {
       throw ConfigError(where_ + ": " + node->name() +

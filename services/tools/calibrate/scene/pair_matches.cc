@@ -27,7 +27,7 @@ struct MatchRules {
   /// Distances up to this many rows or columns belong to one feature found twice.
   static constexpr float kSamePx = 3;
   static constexpr int kWindow = 15;       ///< side of Lucas and Kanade's window, px
-  static constexpr double kMaxBack = 0.2;  ///< px that the way back may lead beside the start
+  static constexpr double kMaxBack = 0.2;  ///< px between the start and where the way back ends
   static constexpr double kMaxMove = 3;    ///< px from the feature's own position
 };
 
@@ -36,7 +36,7 @@ struct Features {
   cv::Mat1f descriptors;
 };
 
-// The strongest of each cell, cell by cell.
+// The strongest features of each cell, cell by cell.
 std::vector<cv::KeyPoint> Spread(const std::vector<cv::KeyPoint>& points, cv::Size size,
                                  size_t most) {
   std::vector<std::vector<cv::KeyPoint>> cells(
@@ -60,13 +60,13 @@ std::vector<cv::KeyPoint> Spread(const std::vector<cv::KeyPoint>& points, cv::Si
   return spread;
 }
 
-Features Find(const cv::Mat1b& whole, size_t most_in_cell, int shrink) {
+Features Find(const cv::Mat1b& whole, size_t max_in_cell, int shrink) {
   cv::Mat1b image = whole;
   if (shrink > 1) cv::resize(whole, image, whole.size() / shrink, 0, 0, cv::INTER_AREA);
   const auto sift = cv::SIFT::create(/*nfeatures=*/0, /*nOctaveLayers=*/3, MatchRules::kContrast);
   std::vector<cv::KeyPoint> points;
   sift->detect(image, points);
-  Features features{.points = Spread(points, image.size(), most_in_cell), .descriptors = {}};
+  Features features{.points = Spread(points, image.size(), max_in_cell), .descriptors = {}};
   if (!features.points.empty()) sift->compute(image, features.points, features.descriptors);
   if (shrink == 1) return features;
   const float across = static_cast<float>(whole.cols) / static_cast<float>(image.cols);
@@ -115,7 +115,7 @@ std::vector<cv::Point2f> Track(const cv::Mat1b& from, const cv::Mat1b& to,
   return guess;
 }
 
-// Sub-pixel positions in the right image; those that do not find back are left out.
+// Sub-pixel positions in the right image, without those that are not found back in the left one.
 std::vector<PairMatch> Sharpen(const cv::Mat1b& left, const cv::Mat1b& right,
                                const std::vector<cv::Point2f>& at_left,
                                const std::vector<cv::Point2f>& at_right) {
@@ -138,8 +138,8 @@ std::vector<PairMatch> Sharpen(const cv::Mat1b& left, const cv::Mat1b& right,
 
 PairMatches MatchPair(const cv::Mat1b& left, const cv::Mat1b& right, const MatchEffort& effort) {
   const auto in_right =
-      static_cast<size_t>(MatchRules::kMoreInRight * static_cast<double>(effort.most_in_cell));
-  const Features of_left = Find(left, effort.most_in_cell, effort.shrink);
+      static_cast<size_t>(MatchRules::kMoreInRight * static_cast<double>(effort.max_in_cell));
+  const Features of_left = Find(left, effort.max_in_cell, effort.shrink);
   const Features of_right = Find(right, in_right, effort.shrink);
   const auto band_px = static_cast<float>(MatchRules::kBand * left.rows);
   const std::vector<int> partners = BestPartners(of_left, of_right, band_px);

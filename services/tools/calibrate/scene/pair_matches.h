@@ -20,8 +20,8 @@ struct PairMatches {
 
 /// How thoroughly a pair is searched. The position of a match is as accurate in any case.
 struct MatchEffort {
-  int shrink = 1;            ///< features are searched in images of a so many times smaller side
-  size_t most_in_cell = 60;  ///< features of each of 8 × 6 cells of the left image
+  int shrink = 1;           ///< features are searched in images of a so many times smaller side
+  size_t max_in_cell = 60;  ///< features of each of 8 × 6 cells of the left image
 };
 
 /// Matches of a pair whose rows may be off by up to 5 % of the height: SIFT features (Lowe, IJCV

@@ -10,7 +10,7 @@
 namespace sprout::calibrate {
 namespace {
 
-constexpr size_t kFewestAtKnot = 40;
+constexpr size_t kMinAtKnot = 40;
 constexpr size_t kMaxKnots = 24;
 constexpr double kMinStep = 0.05;  // between knots, a share of the range
 constexpr double kFarStep = 0.25;  // a straight line tells nothing between knots as far apart
@@ -23,7 +23,7 @@ constexpr int kCurveRounds = 10;
 
 // Knots at equal shares of the samples, except where they would be too close.
 std::vector<double> KnotRanges(const std::vector<RangeSample>& by_range) {
-  const size_t count = std::min(kMaxKnots, by_range.size() / kFewestAtKnot);
+  const size_t count = std::min(kMaxKnots, by_range.size() / kMinAtKnot);
   std::vector<double> ranges;
   for (size_t k = 0; k < count; ++k) {
     const size_t middle = (2 * k + 1) * by_range.size() / (2 * count);

@@ -63,7 +63,7 @@ RawRig Changed(const RawRig& rig, const RigNumbers& change) {
   return changed;
 }
 
-MovedPx MostMoved(const RigNumbers& change, const RectifiedPair& pair) {
+MovedPx MaxMoved(const RigNumbers& change, const RectifiedPair& pair) {
   const auto size = [&](RigNumber number) { return std::abs(change[number]); };
   const double half_px = std::hypot(pair.width, pair.height) / 2;
   // A tilt of the baseline moves a point across by its disparity, of which this is a large one.

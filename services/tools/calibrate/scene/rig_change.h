@@ -57,7 +57,7 @@ struct MovedPx {
   double right = 0;  ///< points in the right image, against those of the left one
   double tof = 0;    ///< points of the ToF camera in the left image, but for their ranges
 };
-MovedPx MostMoved(const RigNumbers& change, const RectifiedPair& pair);
+MovedPx MaxMoved(const RigNumbers& change, const RectifiedPair& pair);
 
 /// A rectified rig as an unrectified one whose lenses do not distort: for frames whose original
 /// images are lost.

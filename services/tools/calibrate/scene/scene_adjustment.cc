@@ -29,7 +29,7 @@ struct SmallChange {
 // fewer numbers from the last one.
 constexpr int kFirstRounds = 5;
 constexpr int kLaterRounds = 2;
-// What no match falls below; keeps an artificial input without noise from dividing by 0.
+// No match is better; keeps an artificial input without noise from a division by 0.
 constexpr double kMinScatterPx = 0.01;
 // A number is seen when it is known to this share of what is expected of it.
 constexpr double kSeen = 1.0 / 3;
@@ -56,7 +56,7 @@ class Adjustment {
   Result<AdjustedScene> Run(bool only_sure) {
     Result<void> solved = Solutions(kFirstRounds);
     while (solved && TakeOutUnseen()) {
-      // What was not seen may have led all depths astray.
+      // A number that was not seen may have moved all depths to wrong places.
       Restart();
       solved = Solutions(kFirstRounds);
     }
@@ -122,7 +122,7 @@ class Adjustment {
     AddPlain<kSize, kSize>(problem, prior, At(block));
   }
 
-  // What is not to change.
+  // Keeps the numbers of a block constant that may not change.
   void Hold(ceres::Problem& problem, NumberBlock block) {
     std::vector<int> held;
     for (int i = 0; i < block.size; ++i) {
@@ -175,7 +175,7 @@ class Adjustment {
     return true;
   }
 
-  // The least known number, when it is not seen; whether there was one.
+  // Takes out the number that is known least, if it is not seen. @returns whether there was one.
   bool TakeOutUnseen() {
     const auto share = [&](size_t number) {
       return deviations_[number] / RowOf(static_cast<RigNumber>(number)).expected;
@@ -188,7 +188,7 @@ class Adjustment {
     return true;
   }
 
-  // The least significant change, when it may be chance; whether there was one.
+  // Takes out the least significant change, if it may be chance. @returns whether there was one.
   bool TakeOutInsignificant() {
     const auto chance = [&](size_t number) {
       return deviations_[number] / std::max(std::abs(numbers_[number]), 1e-300);

@@ -15,21 +15,21 @@ namespace {
 
 // 150 matches that are good to 0.1 px give a mean to a hundredth of a pixel, and a slope over the
 // image to 0.03 px.
-constexpr int kFewestMatches = 150;
+constexpr int kMinMatches = 150;
 // Cells of the left image, and how many of them must have how many matches.
 constexpr int kColumns = 4;
 constexpr int kBands = 3;
-constexpr int kFewestCells = 6;
-constexpr int kFewestInCell = 5;
+constexpr int kMinCells = 6;
+constexpr int kMinInCell = 5;
 // Disparities off the common plane: what a scene needs to tell a rotation from a shift. px.
 constexpr double kMinReliefPx = 1;
 constexpr double kReliefShare = 0.8;  // of the matches; the others may be wrong
-// Matches whose rows are this far off belong to nothing, px.
+// Matches whose rows are off by more than this are wrong, px.
 constexpr double kOffRowsPx = 2;
 constexpr double kMaxOff = 0.25;
-// Between the medians of frames, when one calibration fits all: px.
+// Largest difference between the medians of frames that one calibration fits, px.
 constexpr double kMaxSpreadPx = 0.4;
-constexpr size_t kFewestInView = 30;
+constexpr size_t kMinInView = 30;
 // Beyond these Sprout loses accuracy that can be measured: 2 px of vertical error cost it 0.7
 // points, ToF points that land 3 px beside their place three (services/refine/NOTES.md).
 constexpr double kMaxRowsPx = 1;
@@ -37,7 +37,7 @@ constexpr double kMaxTofPx = 1;
 constexpr double kMaxTofShiftPx = 1.5;
 // What the median of all matches may get worse by, px: the scatter of a median.
 constexpr double kMaxWorsePx = 0.02;
-// Changes beyond so many times what is expected are no knock.
+// Larger changes, in units of what is expected of a knock, are not believed.
 constexpr double kMaxExpected = 4;
 
 // The number of a pixel's cell, row by row.
@@ -73,7 +73,7 @@ double Relief(const std::vector<SceneMatch>& matches, const std::vector<cv::Poin
 }
 
 // What ranges may be off by, three standard deviations, as disparity in the middle of the scene.
-double MostRangeErrorPx(const SceneRefinement& refinement) {
+double MaxRangeErrorPx(const SceneRefinement& refinement) {
   std::vector<double> per_m = refinement.adjusted.inverse_depths;
   const double middle_per_m = per_m.empty() ? 0 : Median(std::move(per_m));
   return refinement.rig.left.fx * refinement.rig.left_from_right.translation_m.norm() *
@@ -93,21 +93,20 @@ Result<void> CheckScene(const std::vector<SceneRefiner::View>& views,
                         const std::vector<cv::Point2d>& left_px, const RectifiedPair& pair) {
   int features = 0;
   for (const SceneRefiner::View& view : views) features += view.features;
-  if (static_cast<int>(matches.size()) < kFewestMatches) {
+  if (static_cast<int>(matches.size()) < kMinMatches) {
     return Fail(fmt::format(
         "too little to see: {} matches of {} features in {} frames ({} matches are needed): show "
         "more of a scene with texture, and are both images of one scene?",
-        matches.size(), features, views.size(), kFewestMatches));
+        matches.size(), features, views.size(), kMinMatches));
   }
   std::array<int, static_cast<size_t>(kColumns * kBands)> cells{};
   for (const cv::Point2d& pixel : left_px) ++cells[CellOf(pixel, pair)];
-  const auto covered =
-      std::ranges::count_if(cells, [](int count) { return count >= kFewestInCell; });
-  if (covered < kFewestCells) {
+  const auto covered = std::ranges::count_if(cells, [](int count) { return count >= kMinInCell; });
+  if (covered < kMinCells) {
     return Fail(fmt::format(
         "matches in {} of {} parts of the image only ({} are needed): show a scene with texture "
         "everywhere",
-        covered, kColumns * kBands, kFewestCells));
+        covered, kColumns * kBands, kMinCells));
   }
   const double relief_px = Relief(matches, left_px, pair);
   if (relief_px < kMinReliefPx) {
@@ -138,7 +137,7 @@ Result<void> CheckAgreement(const std::vector<SceneMatch>& matches,
   }
   std::vector<double> medians;
   for (std::vector<double>& rows : of_view) {
-    if (rows.size() >= kFewestInView) medians.push_back(std::abs(Median(rows)));
+    if (rows.size() >= kMinInView) medians.push_back(std::abs(Median(rows)));
   }
   if (!medians.empty() && Median(medians) > kMaxSpreadPx) {
     return Fail(fmt::format(
@@ -171,7 +170,7 @@ std::vector<std::string> ReasonsAgainst(const SceneRefinement& refinement) {
                                   after.*px, refinement.before.*px));
   };
   worse("rows", &SceneFit::rows_abs_median_px, kMaxWorsePx);
-  worse("ToF points", &SceneFit::tof_abs_px, std::max(kMaxWorsePx, MostRangeErrorPx(refinement)));
+  worse("ToF points", &SceneFit::tof_abs_px, std::max(kMaxWorsePx, MaxRangeErrorPx(refinement)));
   for (size_t number = 0; number < kRigNumbers; ++number) {
     const RigNumberRow& row = RowOf(static_cast<RigNumber>(number));
     const double change = refinement.adjusted.change[number];
@@ -212,7 +211,7 @@ cv::Mat1f RowsOverImage(const SceneRefinement& refinement, const RectifiedPair& 
   }
   cv::Mat1f cells(kBands, kColumns, std::numeric_limits<float>::quiet_NaN());
   for (size_t i = 0; i < rows.size(); ++i) {
-    if (rows[i].size() < kFewestInCell) continue;
+    if (rows[i].size() < kMinInCell) continue;
     cells(static_cast<int>(i)) = static_cast<float>(Median(std::move(rows[i])));
   }
   return cells;

@@ -10,7 +10,7 @@
 namespace sprout::calibrate {
 
 /// Fewest matches on smooth surfaces of the ToF camera for its numbers to change.
-inline constexpr int kFewestTofMatches = 60;
+inline constexpr int kMinTofMatches = 60;
 
 /// The inverse depths that matches start with, 1/m.
 std::vector<double> Depths(const std::vector<SceneMatch>& matches);
@@ -43,7 +43,7 @@ cv::Point2d TofShift(const SceneRefinement& refinement, const RectifiedPair& pai
 
 /// Why the calibration with which a refinement began does not hold any more, one line each; empty:
 /// it holds.
-/// @param findings  what goes in, all frames together.
+/// @param findings  of the inputs, all frames together.
 std::vector<std::string> ReasonsToCalibrate(const SceneRefinement& refinement,
                                             const inputs::Findings& findings,
                                             const RectifiedPair& pair);

@@ -14,7 +14,7 @@ namespace {
 // Parts of the left image that err each by itself: surfaces, and a dozen ToF pixels each way.
 constexpr int kPartColumns = 8;
 constexpr int kPartRows = 6;
-// As AddRobust() has it.
+// As in AddRobust().
 constexpr double kLossSigmas = 2;
 // What a knock moves the ToF camera by along each axis: its turn of a degree, on a mount of 30 cm.
 // Forward, also what a rig drives at 0.25 m/s in the 20 ms by which parts of a frame may differ.
@@ -126,7 +126,7 @@ Eigen::Matrix<double, 2, 3> EdgesByTurn(const EdgeShift& edges) {
   return edges.sigma.cwiseInverse().asDiagonal() * edges.rectified_from_left.topRows<2>();
 }
 
-// What is known besides the matches: priors, and what depth edges show.
+// Terms of the priors, and of the turns that depth edges show.
 Normal Known(const RigNumbers& change, const std::optional<EdgeShift>& edges) {
   Normal known;
   for (int i = 0; i < kNumbers; ++i) {

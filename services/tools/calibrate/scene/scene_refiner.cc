@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
-// Depth edges are found as well in images that are so little off: rectifying them again takes most
-// of the time.
+// Images that are off by less are not rectified again, which takes most of the time: depth edges
+// are found in them as well.
 constexpr double kSameImagesPx = 0.5;
 
 double MedianOrUnknown(std::vector<double> values) {
@@ -29,7 +29,7 @@ std::vector<double> Sizes(std::vector<double> values) {
   return values;
 }
 
-// Along the ray, once the offset is applied.
+// Range of a patch along the ray, with the offset applied.
 double RangeOf(const TofPatch& patch, double offset_m) {
   return patch.distance_m / patch.per_range + offset_m;
 }
@@ -64,9 +64,8 @@ SceneEffort QuickEffort(const RectifiedPair& pair) {
   // hundredth of a pixel.
   constexpr double kSearchedPixels = 0.15e6;
   const double times = std::sqrt(double(pair.width) * pair.height / kSearchedPixels);
-  return {
-      .match = {.shrink = std::max(1, static_cast<int>(std::lround(times))), .most_in_cell = 20},
-      .most_matches = 1500};
+  return {.match = {.shrink = std::max(1, static_cast<int>(std::lround(times))), .max_in_cell = 20},
+          .max_matches = 1500};
 }
 
 SceneRefiner::SceneRefiner(const RawRig& rig, const Rectification& images,
@@ -133,7 +132,7 @@ void SceneRefiner::AttachPatches(const RawRig& rig) {
 }
 
 void SceneRefiner::ThinOut() {
-  const size_t most = effort_.most_matches;
+  const size_t most = effort_.max_matches;
   if (matches_.size() <= most) return;
   for (size_t i = 0; i < most; ++i) {
     const size_t from = i * matches_.size() / most;
@@ -148,7 +147,7 @@ std::optional<EdgeShift> SceneRefiner::FindEdges(const RigNumbers& change) {
   edge_views_ = 0;
   if (rig_.tof.width == 0) return std::nullopt;
   const RawRig changed = Changed(rig_, change);
-  const bool is_same = MostMoved(change, images_.pair).right <= kSameImagesPx;
+  const bool is_same = MaxMoved(change, images_.pair).right <= kSameImagesPx;
   const Rectification to = is_same ? images_ : RectificationOf(changed);
   const BilinearRemap left = is_same ? BilinearRemap() : LeftAgain(changed, to);
   const BilinearRemap right = is_same ? BilinearRemap() : RightAgain(changed, to);
@@ -184,18 +183,18 @@ Result<void> SceneRefiner::Adjust(const SceneWishes& wishes, SceneRefinement& re
   // those that are sure, and the ranges' curve. A turn looks much like an error of the ranges, and
   // is halved from pass to pass when it is one.
   constexpr int kFreePasses = 5;
-  constexpr int kMostPasses = 12;
+  constexpr int kMaxPasses = 12;
   const auto is_tof = [](const SceneMatch& match) { return match.tof.has_value(); };
   bool only_sure = false;
   bool stands_still = false;
-  for (int pass = 0; pass < kMostPasses && !(only_sure && stands_still); ++pass) {
+  for (int pass = 0; pass < kMaxPasses && !(only_sure && stands_still); ++pass) {
     only_sure |= stands_still || pass >= kFreePasses;
     const RigNumbers change = result.adjusted.change;
     AttachPatches(Changed(rig_, change));
     if (pass == 0) result.before = FitOf(ResidualsOf(rig_, matches_, Depths(matches_), {}));
     result.tof_matches = static_cast<int>(std::ranges::count_if(matches_, is_tof));
     const std::optional<EdgeShift> edges = FindEdges(change);
-    const bool sees_tof = result.tof_matches >= kFewestTofMatches;
+    const bool sees_tof = result.tof_matches >= kMinTofMatches;
     for (const RigNumber number : {kTofPitch, kTofYaw, kTofRoll, kRangeOffset}) {
       result.wanted[number] = sees_tof;
     }
@@ -253,7 +252,7 @@ Result<SceneRefinement> SceneRefiner::Refine(const SceneWishes& wishes) {
   return result;
 }
 
-// The amplitude that is not corrected: that of the rig, or else the median.
+// The amplitude at which ranges are not corrected: that of the rig, or else the median.
 double SceneRefiner::MiddleAmplitude() const {
   if (!rig_.amplitude_correction.empty()) return rig_.amplitude_correction.middle;
   std::vector<double> amplitudes;

@@ -71,7 +71,7 @@ struct SceneWishes {
 /// How much time a refinement may take. With less effort standard deviations are larger.
 struct SceneEffort {
   MatchEffort match;
-  size_t most_matches = 8000;  ///< of all frames together, of each evenly
+  size_t max_matches = 8000;  ///< of all frames together, of each evenly
 };
 
 /// Effort that tells whether a calibration holds, not its last digits: of selfcalibrate and of
@@ -100,7 +100,6 @@ class SceneRefiner {
   ///          plane, at odds with each other. Seconds.
   Result<SceneRefinement> Refine(const SceneWishes& wishes);
 
-  /// Number of frames that were added.
   int views() const { return static_cast<int>(views_.size()); }
 
   /// The frame with the most matches, rectified as it came, grey.
@@ -116,7 +115,8 @@ class SceneRefiner {
   /// The rig of the frames as they came, rectified.
   Rig RigBefore() const { return RectifiedRig(rig_, images_); }
 
-  /// Makes of such images those of another calibration, see RectifyAgain().
+  /// Turns images that were rectified in one way into those of another calibration, see
+  /// RectifyAgain().
   BilinearRemap LeftAgain(const RawRig& by, const Rectification& to) const;
   BilinearRemap RightAgain(const RawRig& by, const Rectification& to) const;
 
@@ -127,7 +127,7 @@ class SceneRefiner {
   // Fills in what changes: `wanted`, `adjusted`, `curve`, `light`, `before` and `tof_matches`.
   Result<void> Adjust(const SceneWishes& wishes, SceneRefinement& result);
   double MiddleAmplitude() const;
-  // What is still wrong with the ranges once the change is applied: `curve` and `light`.
+  // Finds the errors that ranges still have with the change applied: `curve` and `light`.
   void FindCorrections(SceneRefinement& result) const;
   SceneFit FitOf(const std::vector<MatchResidual>& residuals) const;
 

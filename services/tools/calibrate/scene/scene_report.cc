@@ -43,7 +43,7 @@ std::string Deviation(const RigNumberRow& row, double sigma) {
   return fmt::format("{:.{}f} {}", row.per_unit * sigma, row.digits, row.unit);
 }
 
-// Of a change that the frames need, but that something else would explain as well.
+// A remark on a change that the frames need, but that something else would explain as well.
 std::string AttributionText(const AdjustedScene& adjusted, size_t number) {
   if (std::abs(adjusted.change[number]) >= kSureChangeSigmas * adjusted.sigma[number]) return "";
   if (number == kYaw) return "or ToF ranges: the scene does not tell which";

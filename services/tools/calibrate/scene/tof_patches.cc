@@ -8,13 +8,13 @@ namespace sprout::calibrate {
 namespace {
 
 constexpr double kHalfWindow = 2.5;  // of the points' spacing: some 25 points
-constexpr size_t kFewest = 12;       // of these, beside a border or between a scanner's beams
+constexpr size_t kMinPoints = 12;    // of these, beside a border or between a scanner's beams
 // Points farther from the plane than this share of the distance belong to another surface: five
 // times the noise of an SR4000 at 2 m, and of a lidar at 10 m.
 constexpr double kMaxOffPlane = 0.01;
 // Steeper surfaces are seen at a glancing angle: cosine between ray and normal.
 constexpr double kMinFacing = 0.3;
-// What errs alike in all points of a patch, as share of the distance: a tenth of kMaxOffPlane.
+// Error that all points of a patch share, as share of the distance: a tenth of kMaxOffPlane.
 constexpr double kSharedError = 0.001;
 // A surface is bent, and no plane, when its middle is off the plane by more than kSharedError, and
 // by so many standard deviations.
@@ -92,7 +92,7 @@ std::optional<TofPatch> TofPatches::At(const cv::Point2d& left_px) const {
     }
   }
   const size_t count = around.size();
-  if (count < kFewest) return std::nullopt;
+  if (count < kMinPoints) return std::nullopt;
   mean /= static_cast<double>(count);
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (size_t i = 0; i < count; ++i) {

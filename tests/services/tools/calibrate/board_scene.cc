@@ -99,7 +99,7 @@ cv::Mat1f BoardScene::Brightness(const Camera& camera, const Eigen::Isometry3d& 
   cv::Mat1f image(camera.lens.size());
   for (int v = 0; v < image.rows; ++v) {
     for (int u = 0; u < image.cols; ++u) {
-      // Straight between neighbouring pixels: the lens does not bend by more within one.
+      // Linear between neighbouring pixels, which is exact enough for the lens.
       const auto direction = [&](int row, int column) {
         const cv::Vec2d& d = camera.directions(v + 1 + row, u + 1 + column);
         return Eigen::Vector3d(d[0], d[1], 1);

@@ -26,7 +26,7 @@ class BoardScene {
   /// @param seed  of the noise.
   RigImages Render(const Pose& left_from_board, uint32_t seed) const;
 
-  /// What is found in such images when corners are found with that noise; in less time.
+  /// The corners that are found in such images, projected with noise, which takes less time.
   BoardView Project(const Pose& left_from_board, double noise_px, uint32_t seed) const;
 
  private:

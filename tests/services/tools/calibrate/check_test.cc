@@ -70,7 +70,7 @@ class CalibrateCheck : public testing::Test {
                         (folder_ / "rig.textproto").string());
   }
 
-  // Of a frame that does not tell whether the rig is right.
+  // Output for a frame that does not show whether the rig is right.
   std::string OutOfUndecided(const RigImages& images) const {
     WriteImages(folder_ / ".", "0", images);
     const MainOutcome outcome = CheckFolderWithRig();
@@ -127,7 +127,7 @@ TEST_F(CalibrateCheck, TakesFoldersOfUnrectifiedImagesWithARigFile) {
   EXPECT_THAT(without.err, HasSubstr("are not rectified: --rig is needed"));
 }
 
-// No verdict is not a good one.
+// Without a verdict the exit code is not 0.
 TEST_F(CalibrateCheck, SaysWhenASceneDoesNotTell) {
   cv::Mat1b wall(480, 640);  // brighter to one side, and no corner
   for (int u = 0; u < wall.cols; ++u) wall.col(u).setTo(60 + u / 10);
@@ -135,7 +135,7 @@ TEST_F(CalibrateCheck, SaysWhenASceneDoesNotTell) {
               HasSubstr("1 frames: cannot tell\n  * too little to see: 0 matches"));
 }
 
-// A covered lens is no matter of calibration.
+// A covered lens cannot be corrected by a calibration.
 TEST_F(CalibrateCheck, CannotTellFromABlankImage) {
   const Board board{BoardSize{}};
   auto images = BoardScene(board, rig_).Render(BoardPoses(board, 1)[0], 0);
@@ -145,7 +145,7 @@ TEST_F(CalibrateCheck, CannotTellFromABlankImage) {
   EXPECT_THAT(out, HasSubstr("the right image is blank"));
 }
 
-// Nor are two exposures: refine would change nothing.
+// Neither can different exposures: refine would change nothing.
 TEST_F(CalibrateCheck, CannotTellFromTwoContrasts) {
   RigImages images = RenderScene(rig_, 3, 0, false);
   images.right = 0.5 * images.right + 10;

@@ -1,4 +1,4 @@
-// Lenses of other programs in Brown's terms.
+// Lenses of other programs, fitted by Brown's model.
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// What a model places somewhere, its counterpart in Brown's terms places there, too.
+// Checks that a model and the fitted one of Brown project points to the same places.
 void ExpectSamePlaces(const ForeignCamera& camera, const Lens& lens) {
   cv::Matx33d k = cv::Matx33d::eye();
   for (int i = 0; i < 3; ++i) {

@@ -153,7 +153,7 @@ TEST_F(Import, OpencvsIntrinsicsAndExtrinsics) {
               HasSubstr("mixed.yml: the length of T is 0.122455, P2 has a baseline of 0.120054; "));
 }
 
-// What is left of a pair when a file has R1, P1, R2, P2 alone is a pair all the same.
+// A file with R1, P1, R2, P2 alone describes a pair as well.
 TEST_F(Import, OpencvsRectificationInsteadOfRAndT) {
   cv::Mat r1, r2, p1, p2, q;
   cv::stereoRectify(truth_.k1, truth_.d1, truth_.k2, truth_.d2, truth_.size, truth_.r, truth_.t, r1,
@@ -164,7 +164,7 @@ TEST_F(Import, OpencvsRectificationInsteadOfRAndT) {
        << cv::Mat(truth_.d1) << "LEFT_R" << r1 << "LEFT_P" << p1 << "RIGHT_K" << cv::Mat(truth_.k2)
        << "RIGHT_D" << cv::Mat(truth_.d2) << "RIGHT_R" << r2 << "RIGHT_P" << p2;
   file.release();
-  // OpenCV reads dots, which it does not write.
+  // OpenCV reads names with dots, but does not write them.
   std::string text = FileText(path);
   std::ranges::replace(text, '_', '.');
   std::ofstream(path) << text;
@@ -183,7 +183,7 @@ TEST_F(Import, SaysWhatOfOpencvsFileIsMissing) {
               HasSubstr("bad.yml: M1 is no matrix; allowed: rows, cols, dt, and as many finite "));
   EXPECT_THAT(Refusal({Write("torn.yml", "%YAML:1.0\n---\nM1: !!opencv-matrix\n   rows: 3\n")}),
               HasSubstr("torn.yml: "));
-  // The line, and why, of a text that is none of OpenCV's.
+  // The refusal names the line, and why OpenCV cannot read it.
   EXPECT_THAT(Refusal({Write("cut.yml", "%YAML:1.0\n---\nM1: !!opencv-matrix\n  data: [ 1, 2")}),
               HasSubstr("cut.yml: OpenCV cannot read it: (4): "));
   EXPECT_THAT(Refusal({folder_ / "nothing.yml"}), HasSubstr("nothing.yml: cannot be read"));

@@ -12,7 +12,7 @@ namespace sprout::calibrate {
 /// SceneRig() without an error of the ranges.
 RawRig TrueRig(cv::Size size);
 
-/// What a rig sees of solids: each pixel through its lens; noise of 2 grey levels from the seed.
+/// Images of solids through the lenses of a rig; noise of 2 grey levels from the seed.
 RigImages RenderSolids(const RawRig& rig, const std::vector<scenes::Solid>& solids, uint32_t seed,
                        bool with_tof);
 
@@ -26,7 +26,7 @@ Result<SceneRefinement> RefineKnocked(const RawRig& rig, const RigNumbers& error
                                       const std::vector<RigImages>& frames,
                                       const SceneWishes& wishes = {});
 
-/// What is left of the errors: rig = Changed(truth, result).
+/// The errors that remain: rig = Changed(truth, result).
 RigNumbers ErrorsLeft(const RawRig& truth, const RawRig& rig);
 
 }  // namespace sprout::calibrate

@@ -92,7 +92,7 @@ TEST_F(CalibrateProgram, MakesARigFileAndAReportOfALog) {
       RunCalibrate({"estimate", WriteLog("raw.lcm", 10), "--rig", File("devices.textproto"),
                     "--out", File("rig.textproto"), "--report", File("report.html")});
 
-  // Ten views are few, which is said; the result is there, but not in the place of a good one.
+  // Ten views are few: a warning says so, and the result does not replace a good one.
   EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
   EXPECT_EQ(outcome.err, "");
   EXPECT_THAT(outcome.out, HasSubstr("10 images: 10 views used"));

@@ -141,7 +141,7 @@ TEST(RangeCurveFit, IsNoSurerThanWhatMatchesShare) {
   }
 }
 
-// Whose columns are off alike, so that errors grow with the square of the range.
+// All columns are off by the same amount, so that errors grow with the square of the range.
 TEST(RangeCurveFit, TakesAYawOfThePairForNoErrorOfTheRanges) {
   const auto yaw = [](double range_m) { return 0.002 * range_m * range_m; };
   const auto wiggling = [&](double range_m) { return yaw(range_m) + 0.01 * std::sin(5 * range_m); };

@@ -42,7 +42,7 @@ RigNumbers Limits(const RawRig& rig, double tof_px) {
   return limits;
 }
 
-// Every size of error, in turn, and every sign.
+// Errors of every size and sign, another combination for each scene.
 RigNumbers ErrorsOf(int scene, const RawRig& rig) {
   const auto sign = [&](int bit) { return (scene * 7 + 3) >> bit & 1 ? 1.0 : -1.0; };
   const auto size = [&](double least, double most, int shift) {
@@ -181,7 +181,7 @@ TEST(SceneRefiner, LearnsHowFarRangesAreOffAtWhichRange) {
   std::cout << fmt::format("{:.1f} mm off before, {:.1f} after, {} knots\n", 1000 * before_m,
                            1000 * after_m, refined->curve.size());
   EXPECT_GT(before_m, 0.007);
-  // Where no match is, nothing is learned, and a part goes to the yaw.
+  // Ranges without a match are not corrected, and a part of the error is taken for a yaw.
   EXPECT_LT(after_m, 0.6 * before_m);
   EXPECT_LT(refined->after.tof_abs_m, refined->before.tof_abs_m / 2);
 }
@@ -224,7 +224,7 @@ TEST(SceneRefiner, TakesRangesThatAreOffForNoTurn) {
   }
 }
 
-// Range images of another moment, and what moves: 35 cm at 3.6 m were called good.
+// Ranges of another moment are off by 35 cm at 3.6 m where something moves: not a sensor's error.
 TEST(SceneRefiner, BelievesNoCurveThatNoSensorHas) {
   SceneRefinement refinement;
   refinement.curve = {{1, 0.02, 0.001}, {3.6, -0.354, 0.013}, {7, 0.01, 0.003}};

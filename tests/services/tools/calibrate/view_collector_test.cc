@@ -37,7 +37,7 @@ TEST_F(ViewCollectorTest, LeavesOutAMovingBoard) {
   collector_.Add(At(0.05), 2 * kFrameUs);  // 0.5 m/s
   collector_.Add(At(0.10), 3 * kFrameUs);
   collector_.Add(At(0.10), 4 * kFrameUs);   // stands still
-  collector_.Add(At(0.05), 40 * kFrameUs);  // who knows what was in between
+  collector_.Add(At(0.05), 40 * kFrameUs);  // too long after the last image to judge motion
 
   EXPECT_EQ(collector_.counts().moving, 2);
   EXPECT_EQ(collector_.views().size(), 3);
