@@ -31,7 +31,7 @@ class RandomNumbers {
   std::mt19937_64 engine_;
 };
 
-// Times the steps, and damages the seeds, in no step's time.
+// Times the steps, and adds the noise to the seeds outside of the times.
 class Watch : public ChainObserver {
  public:
   Watch(const SeedNoise& noise, StageTimes& ms) : noise_(noise), ms_(ms) {}
@@ -48,7 +48,7 @@ class Watch : public ChainObserver {
   void Refined(SeedSet& seeds, SeedSet& left_seeds) override {
     std::vector<Seed> all;
     Join(seeds.seeds, left_seeds.seeds, all);
-    all = Damage(std::move(all), noise_);
+    all = AddNoise(std::move(all), noise_);
     const auto end_of_seeds = all.begin() + std::ssize(seeds.seeds);
     seeds.seeds.assign(all.begin(), end_of_seeds);
     left_seeds.seeds.assign(end_of_seeds, all.end());
@@ -79,7 +79,7 @@ class Watch : public ChainObserver {
 
 }  // namespace
 
-std::vector<Seed> Damage(std::vector<Seed> seeds, const SeedNoise& noise) {
+std::vector<Seed> AddNoise(std::vector<Seed> seeds, const SeedNoise& noise) {
   if (noise.disparity_px == 0 && noise.jitter_px == 0) return seeds;  // not even rounded
   RandomNumbers random(noise.seed);
   for (Seed& seed : seeds) {

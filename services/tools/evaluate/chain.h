@@ -25,7 +25,7 @@ struct SeedNoise {
 /// independent, so a jittered seed keeps its disparity at a wrong place. The result depends on the
 /// arguments only, and the number of random numbers for each seed does not depend on the amounts:
 /// changing one noise does not change the other. Seeds may leave the image. O(n).
-std::vector<Seed> Damage(std::vector<Seed> seeds, const SeedNoise& noise);
+std::vector<Seed> AddNoise(std::vector<Seed> seeds, const SeedNoise& noise);
 
 /// How long the stages took, ms; 0 = the method has no such stage.
 struct StageTimes {

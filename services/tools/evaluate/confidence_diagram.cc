@@ -23,7 +23,7 @@ Curve MeanOf(const std::vector<Curve>& curves) {
   return mean;
 }
 
-double MostOf(const std::vector<Curve>& curves) {
+double MaxOf(const std::vector<Curve>& curves) {
   double most = 0;
   for (const Curve& curve : curves) {
     for (const cv::Point2d& point : curve) most = std::max(most, point.y);
@@ -31,7 +31,7 @@ double MostOf(const std::vector<Curve>& curves) {
   return most;
 }
 
-// The end of an axis.
+// The end of an axis that reaches to `percent`.
 double RoundUp(double percent) {
   constexpr std::array kEnds = {1.0, 2.0, 5.0, 10.0, 20.0, 50.0};
   const auto* const end = std::ranges::lower_bound(kEnds, percent);
@@ -75,7 +75,7 @@ std::vector<LinePlot::Line> Lines(const std::vector<Curve>& scenes, const Curve&
 }
 
 LinePlot ReliabilityPlot(const std::string& title, const std::vector<Curve>& scenes) {
-  double most = MostOf(scenes);
+  double most = MaxOf(scenes);
   for (const Curve& curve : scenes) {
     for (const cv::Point2d& point : curve) most = std::max(most, point.x);
   }
@@ -93,7 +93,7 @@ LinePlot SparsificationPlot(const std::string& title, const std::vector<Curve>& 
           .along = "pixels kept, the surest first, %",
           .up = "errors > 1 px among them, %",
           .right = 100,
-          .top = RoundUp(MostOf(scenes)),
+          .top = RoundUp(MaxOf(scenes)),
           .lines = Lines(scenes, OracleOf(MeanOf(scenes)))};
 }
 

@@ -45,7 +45,8 @@ double Percent(int64_t part, int64_t whole) {
   return 100.0 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
-// Compared before it is converted: points beside the cameras project to anywhere.
+// Compares before converting to int: points beside the cameras may project far outside of its
+// range.
 bool InImage(const Seed& seed, cv::Size size) {
   return seed.u > -0.5F && seed.u < static_cast<float>(size.width) - 0.5F && seed.v > -0.5F &&
          seed.v < static_cast<float>(size.height) - 0.5F;

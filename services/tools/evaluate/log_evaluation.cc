@@ -126,7 +126,7 @@ std::string LogEvaluation::Table() const {
                          std::to_string(worst_seq)});
   }
   text += MarkdownTable(qualities);
-  // (Q2) takes an unknown misfit for a perfect one.
+  // The score (Q2) counts an unknown misfit as a perfect one.
   const auto without_images = std::ranges::count_if(rows_, [](const auto& entry) {
     return entry.second.quality.valid_share > 0.0 && !entry.second.quality.misfit;
   });

@@ -39,7 +39,7 @@ Method PriorAlone() {
           }};
 }
 
-// Where growth starts.
+// The seeds from which growth starts.
 enum class StartFrom { kTof, kHarris };
 
 // A frame whose seeds are Harris corners, in the time of growth.
@@ -97,7 +97,7 @@ std::vector<Method> PaperMethods() {
       PriorAlone()};
 }
 
-// What the paper published, whatever preset the others run with.
+// The paper's method with preset `paper`, whatever configuration the others run with.
 Method PaperFilled() {
   return {.name = "paper-filled",
           .summary = "epc-filled of preset paper, whatever the preset of this run",

@@ -202,7 +202,7 @@ void AddVideoFlags(Flags& flags, Options& options) {
   AddQuiet(flags, options);
 }
 
-// What to load and what to call it in the results.
+// The configuration and its name in the results.
 struct Preset {
   std::vector<std::string> files;
   std::string name;
@@ -239,7 +239,7 @@ void RequireWritable(const Options& options) {
                           {"figure.png", "errors.png", "confidence.svg"});
 }
 
-// @param inputs_fit  false afterwards when something is wrong with what goes into a scene.
+// @param inputs_fit  set to false when something is wrong with the inputs of a scene.
 std::vector<SceneResult> ResultsOf(const Options& options, const std::vector<Scene>& scenes,
                                    const std::vector<Method>& methods,
                                    const ChainSettings& settings, bool& inputs_fit) {

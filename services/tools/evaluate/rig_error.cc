@@ -15,8 +15,8 @@ namespace {
 
 using calibrate::RectifiedCamera;
 
-// Larger ones are no knock.
-constexpr double kMost = 10;
+// Largest error that may be simulated, px or degrees.
+constexpr double kMaxSize = 10;
 
 ConfigError BadError(const std::string& text) {
   return ConfigError("--rig-error " + text +
@@ -36,12 +36,12 @@ RectifiedCamera RightCamera(const RawRig& rig, const RectifiedPair& pair) {
 }
 
 // The camera of an image that is not rectified.
-RectifiedCamera AsItComes(const RawRig& rig, RectifiedPair pair) {
+RectifiedCamera RawCamera(const RawRig& rig, RectifiedPair pair) {
   pair.cy = rig.right.cy;
   return {.lens = rig.right, .turn = cv::Matx33d::eye(), .pair = pair, .cx = rig.right.cx};
 }
 
-// What comes before a mark, and the rest from it on.
+// The text before the first `mark`, and the rest from it on.
 std::pair<std::string_view, std::string_view> CutAt(std::string_view text, char mark) {
   const auto at = std::ranges::find(text, mark);
   return {{text.begin(), at}, {at, text.end()}};
@@ -53,7 +53,7 @@ RigError::RigError(const std::string& text) {
   const auto [error, known] = CutAt(text, '?');
   const auto [name, value] = CutAt(error, '=');
   const auto size = ParseNumber<double>(value.substr(value.empty() ? 0 : 1));
-  if (!size || !(*size >= -kMost && *size <= kMost)) throw BadError(text);
+  if (!size || !(*size >= -kMaxSize && *size <= kMaxSize)) throw BadError(text);
   constexpr double kDegree = std::numbers::pi / 180;
   if (name == "rows") {
     error_[calibrate::kRowRight] = *size;
@@ -78,7 +78,7 @@ void RigError::Apply(Scene& scene) const {
   const RectifiedPair pair = rig.pair;
   const RawRig believed = calibrate::RawRigOf(rig);
   const RawRig knocked = calibrate::Changed(believed, error_);
-  cv::Mat right = calibrate::RectifyAgain(RightCamera(knocked, pair), AsItComes(knocked, pair))
+  cv::Mat right = calibrate::RectifyAgain(RightCamera(knocked, pair), RawCamera(knocked, pair))
                       .Apply(scene.frame.right);
   RawRig used = known_ == Known::kAll ? knocked : believed;
   if (known_ == Known::kRefined) {
@@ -92,7 +92,7 @@ void RigError::Apply(Scene& scene) const {
     used = refined->rig;
   }
   if (known_ != Known::kNothing) {
-    right = calibrate::RectifyAgain(AsItComes(used, pair), RightCamera(used, pair)).Apply(right);
+    right = calibrate::RectifyAgain(RawCamera(used, pair), RightCamera(used, pair)).Apply(right);
   }
   rig.tof.left_from_tof_rotation = used.left_from_tof.rotation;
   if (!used.HasRightRanges()) Rectifier(used).CorrectRanges(scene.frame.tof);

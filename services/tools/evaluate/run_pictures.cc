@@ -26,7 +26,7 @@ const cv::Vec3b kInk{24, 24, 24};
 
 int ColumnLeft(size_t column) { return kGap + static_cast<int>(column) * kColumn; }
 
-// Centred on a column, with the top of its line at `top`.
+// Draws text centred on a column, with the top of its line at `top`.
 void DrawCentred(cv::Mat3b& sheet, const std::string& text, size_t column, int top) {
   int cap_height = kCapHeight;
   while (cap_height > 1 && TextWidth(text, cap_height) > kFigureCellWidth) --cap_height;
@@ -123,8 +123,7 @@ void RunPictures::Add(const Scene& scene, const SceneResult& result) {
   }
   titles_.push_back("ground truth");
   row.push_back({FigureThumbnail(Colorize(truth, range_px)), ""});
-  // What lies beyond a scale has the colour of its end: there may be such pixels in any of the
-  // maps.
+  // The scale is drawn open at both ends: any of the maps may have pixels beyond it.
   ScaleContent scale = DisparityScale(range_px, &pair);
   scale.above = scale.below = true;
   rows_.push_back({std::move(row), std::move(scale)});

@@ -43,7 +43,7 @@ std::optional<double> PaperPercent(const std::string& scene, const std::string& 
 
 std::string Fixed(double number, int digits) { return fmt::format("{:.{}f}", number, digits); }
 
-// A stage that a method does not have.
+// Milliseconds; "-" for a stage that a method does not have.
 std::string Milliseconds(double ms) { return ms == 0 ? "-" : Fixed(ms, 1); }
 
 // Whether ToF points are near some of the pixels, but not all.
@@ -297,10 +297,10 @@ std::string SceneTable(const SceneResult& scene, bool is_wide) {
       fmt::format("{} ({} x {} px)\n\n", scene.name, scene.size.width, scene.size.height) +
       MarkdownTable(MetricsRows(scene, is_wide)) + "\n" + RefinementLine(scene.refinement);
   for (const MethodResult& method : scene.methods) {
-    // The paper's variants have one, too, which nobody asks for.
+    // The paper's variants have a confidence, too, but it is not of interest.
     if (!method.name.starts_with("sprout") || !method.confidence) continue;
     text += ConfidenceLine(method);
-    // Nothing is judged of a map without a scored pixel.
+    // A map without a scored pixel has no calibration.
     if (method.calibration && !std::isnan(method.calibration->claimed_percent)) {
       text += CalibrationLine(method);
     }

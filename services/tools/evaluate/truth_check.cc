@@ -11,9 +11,9 @@
 namespace sprout::evaluate {
 namespace {
 
-// Of the points of a scan on pixels with a known truth: the share within 1 px of it.
+// The share of a scan's points on pixels with a known truth that lie within 1 px of it.
 double ShareOnTruth(const scenes::DatasetFrame& frame, const TofProjector& scanner) {
-  constexpr size_t kLeast = 100;  // points that tell something
+  constexpr size_t kMinKnown = 100;  // points that tell something
   const cv::Mat1f& truth = frame.truth.left;
   int behind = 0;
   size_t known = 0;
@@ -25,7 +25,7 @@ double ShareOnTruth(const scenes::DatasetFrame& frame, const TofProjector& scann
     known += std::isfinite(error);
     near += error <= 1;
   }
-  return known < kLeast ? 1 : static_cast<double>(near) / static_cast<double>(known);
+  return known < kMinKnown ? 1 : static_cast<double>(near) / static_cast<double>(known);
 }
 
 }  // namespace
@@ -33,14 +33,14 @@ double ShareOnTruth(const scenes::DatasetFrame& frame, const TofProjector& scann
 std::string WrongTruthText(const scenes::DatasetFrame& frame, const RectifiedPair& pair,
                            const TofProjector* scanner) {
   constexpr int kStepPx = 3;  // KITTI's truth has gaps between the beams
-  constexpr double kLeastOnTruth = 0.75;
+  constexpr double kMinShareOnTruth = 0.75;
   if (std::min(pair.width, pair.height) < kStepPx) return "";
   const Rig rig{.pair = pair, .tof = scenes::TofGridCamera(pair, kStepPx)};
   const std::string text = BadText(inputs::CheckInputs(
       frame.left, frame.right, scenes::SampleTofGrid(pair, kStepPx, frame.truth.left), rig));
   if (!text.empty()) return "the ground truth does not fit the images; taken for ranges: " + text;
   const double on_truth = scanner != nullptr ? ShareOnTruth(frame, *scanner) : 1;
-  if (on_truth >= kLeastOnTruth) return "";
+  if (on_truth >= kMinShareOnTruth) return "";
   return fmt::format(
       "{:.0f} % of the scan's points lie within 1 px of the ground truth: is the calibration that "
       "of this recording?",

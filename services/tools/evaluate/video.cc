@@ -31,7 +31,7 @@ namespace {
 constexpr float kAverageWeight = 0.4F;
 constexpr float kAverageStepPx = 20.0F / 32;
 
-// The rival.
+// The rival: a running average, see EvaluateVideo().
 class RunningAverage {
  public:
   cv::Mat1f Add(const cv::Mat1f& map) {

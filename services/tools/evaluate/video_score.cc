@@ -18,11 +18,11 @@ namespace sprout::evaluate {
 namespace {
 
 constexpr double kNoDisparityPx = 50;
-constexpr double kLargestChangePx = 20;
+constexpr double kMaxChangePx = 20;
 constexpr size_t kTrailFrames = 3;
-constexpr double kNearestM = 0.1;  // in front of the camera
-constexpr double kSamePx = 1;      // from the truth of a point then, on the same surface
-constexpr float kStepPx = 2;       // of the truth, by which something nearer came or went
+constexpr double kNearestM = 0.1;  // nearer points are not compared, m
+constexpr double kSamePx = 1;      // truths that differ by less are of the same surface, px
+constexpr float kStepPx = 2;       // a larger step of the truth: something nearer came or went, px
 
 double ErrorOf(float d, float truth) {
   if (!std::isfinite(d)) return kNoDisparityPx;
@@ -112,7 +112,7 @@ void VideoScore::AddChanges(const cv::Mat1f& map, const cv::Mat1f& truth, const 
       const float change = truth(v, u) - truths_.back()(v, u);
       if (mask(v, u) == 0 || !std::isfinite(change)) continue;
       const auto error = static_cast<double>(std::abs(map(v, u) - last_map_(v, u) - change));
-      change_sum_ += std::isfinite(error) ? std::min(error, kLargestChangePx) : kLargestChangePx;
+      change_sum_ += std::isfinite(error) ? std::min(error, kMaxChangePx) : kMaxChangePx;
       ++changes_;
     }
   }
@@ -144,14 +144,14 @@ void VideoScore::AddAlong(const cv::Mat1f& map, const cv::Mat1f& truth, const cv
       if (!(std::abs(off) < kSamePx)) continue;
       const auto error = static_cast<double>(
           std::abs((map(v, u) - truth(v, u)) - (last_map_(at) - last_truth(at))));
-      along_sum_ += std::isfinite(error) ? std::min(error, kLargestChangePx) : kLargestChangePx;
+      along_sum_ += std::isfinite(error) ? std::min(error, kMaxChangePx) : kMaxChangePx;
       ++alongs_;
     }
   }
 }
 
 void VideoScore::AddSpread(const cv::Mat1f& map) {
-  cv::Mat1d wide;  // NaN once, NaN for ever
+  cv::Mat1d wide;  // a pixel that was NaN once stays NaN
   map.convertTo(wide, CV_64F);
   if (sums_.empty()) {
     sums_ = cv::Mat1d(map.size(), 0);

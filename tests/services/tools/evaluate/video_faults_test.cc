@@ -20,7 +20,7 @@ constexpr int kFrames = 9;
 constexpr int kFaultBegins = 3;
 constexpr int kFaultEnds = 6;
 constexpr int kFramesToRecover = 2;
-// Asked is 0.5; the simulated scene gets 0.56 in one frame when the light goes off.
+// The goal is 0.5; the simulated scene gets 0.56 in one frame when the light goes off.
 constexpr double kMaxWorsePoints = 0.6;
 
 struct VideoFrame {
