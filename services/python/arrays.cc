@@ -18,7 +18,7 @@
 namespace sprout::python {
 namespace {
 
-// Frees matrices whose pixels are an array's: gives the array back, from whatever thread.
+// Allocator of matrices that share an array's pixels: releases the array, from any thread.
 class ArrayOwner : public cv::MatAllocator {
  public:
   cv::UMatData* allocate(int, const int*, int, void*, size_t*, cv::AccessFlag,
@@ -62,7 +62,7 @@ std::string ShapeText(const py::array& array) { return py::str(array.attr("shape
 
 std::string TypeName(const py::array& array) { return py::str(array.dtype()); }
 
-// NumPy's kind ('u', 'f', 'b') and bytes of an element, in whatever order these are.
+// Whether elements have this kind of NumPy's ('u', 'f', 'b') and so many bytes, in any byte order.
 bool IsOf(const py::array& array, char kind, py::ssize_t bytes) {
   return array.dtype().kind() == kind && array.itemsize() == bytes;
 }
@@ -82,7 +82,7 @@ bool HasSides(const py::array& array, std::optional<cv::Size> size) {
          height * width <= kMaxPixels;
 }
 
-// The array in C's order; itself when it is.
+// The array in C order, itself if it is in C order already.
 template <typename T>
 py::array Contiguous(const py::array& array) {
   return py::array_t<T, py::array::c_style | py::array::forcecast>(array);
@@ -119,7 +119,7 @@ py::dtype TypeOf(int depth) {
   }
 }
 
-// No value stands for a pixel of a picture that is not there.
+// Pictures have no value for a missing pixel, so masked ones are refused.
 void RefuseMasked(const std::string& name, const py::array& array) {
   if (!py::hasattr(array, "mask")) return;
   const auto masked = array.attr("mask").attr("sum")().cast<py::ssize_t>();
@@ -227,7 +227,7 @@ TofImage TakeTof(const py::handle& given, cv::Size size) {
 std::vector<Seed> TakeSeeds(const std::string& name, const py::handle& given) {
   if (py::isinstance<py::array>(given)) {
     const auto array = py::reinterpret_borrow<py::array>(given);
-    // By the names of the fields: NumPy packs them anew now and then.
+    // Compares names only: NumPy may lay out the same fields with other offsets.
     const bool has_fields = array.dtype().attr("names").equal(py::dtype::of<Seed>().attr("names"));
     if (py::hasattr(array, "mask")) Refuse(name, "an array of sprout.SEED without a mask", given);
     if (array.ndim() == 1 && has_fields) {
@@ -267,7 +267,7 @@ py::object ToArray(const DisparityImage& disparity) {
 py::array ToArray(const std::vector<Seed>& seeds) {
   py::array_t<Seed> array(static_cast<py::ssize_t>(seeds.size()));
   Seed* copy = array.mutable_data();
-  // Between the fields there may be anything, which whoever saves an array would save.
+  // Clears the bytes between the fields, which would otherwise be random in a saved array.
   std::memset(static_cast<void*>(copy), 0, seeds.size() * sizeof(Seed));
   for (const Seed& seed : seeds) {
     copy->u = seed.u;

@@ -26,11 +26,11 @@ namespace py = pybind11;
 /// is empty.
 struct PyFrame {
   Frame frame;
-  cv::Mat1f depth_m = {};                   ///< when it is known already
-  cv::Mat1f disparity_px = {};              ///< the same
+  cv::Mat1f depth_m = {};                   ///< empty until it is computed
+  cv::Mat1f disparity_px = {};              ///< empty until it is computed
   std::vector<std::string> warnings = {};   ///< see DepthFrame
-  std::string range_error = {};             ///< the same
-  std::optional<DisparityImage> kept = {};  ///< of which depths and points are, if not all
+  std::string range_error = {};             ///< see DepthFrame
+  std::optional<DisparityImage> kept = {};  ///< the disparities with depth and points, if not all
   bool depth_of_fused = false;              ///< depths and points are those of the fused map
   scenes::GroundTruth truth = {};           ///< of a data set
 };
@@ -86,7 +86,7 @@ inline py::array_t<double> Intrinsics(double focal_px, double cx, double cy) {
   return py::array_t<double>({3, 3}, &rows[0][0]);
 }
 
-/// Held while an object works that serves one thread at a time.
+/// Held while an object works that only one thread may use at a time.
 class Turn {
  public:
   /// @throws std::runtime_error (RuntimeError) when another thread has it.
@@ -103,7 +103,7 @@ class Turn {
   std::atomic_flag& taken_;
 };
 
-/// For long work without the interpreter's lock: gives Ctrl-C its turn now and then.
+/// Called during long work without the interpreter's lock, so that Ctrl-C is handled now and then.
 class SignalCheck {
  public:
   /// @throws error_already_set when a handler raised, as KeyboardInterrupt.

@@ -81,7 +81,7 @@ py::object Get(const SproutConfig& config, const std::string& key) {
   }
 }
 
-// Leaves the keys whose values are not the defaults.
+// Removes the keys whose values are the defaults.
 void KeepDifferences(Message& message) {
   const auto& reflection = *message.GetReflection();
   const Message& defaults = *reflection.GetMessageFactory()->GetPrototype(message.GetDescriptor());
@@ -99,7 +99,7 @@ void KeepDifferences(Message& message) {
   }
 }
 
-// What makes the same configuration again.
+// A Python expression that makes the same configuration.
 std::string Repr(SproutConfig config) {
   KeepDifferences(config);
   const std::string text = config.ShortDebugString();
@@ -108,7 +108,7 @@ std::string Repr(SproutConfig config) {
 
 std::string TextOf(const py::handle& part) {
   if (py::isinstance<py::str>(part)) return BytesOfText(py::reinterpret_borrow<py::str>(part));
-  // A path of one name is a file, too: what Python gives as a path is never the name of a preset.
+  // A path object is always a file, also one without a folder: only a str may name a preset.
   if (py::hasattr(part, "__fspath__")) {
     const auto path = part.cast<std::filesystem::path>().string();
     return path.find('/') == std::string::npos ? "./" + path : path;

@@ -82,7 +82,7 @@ class PyDataset {
     scenes::DatasetFrame got = dataset_->Get(at);
     PyFrame result;
     constexpr double kLatestUs = 9e18;  // what an int64_t holds
-    // No data set has times: those of a capture that began at 0. A memory tells frames by them.
+    // Data sets have no times. A stage with a memory needs some, so frames begin at 0.
     result.frame.id = {
         .utime = std::llround(std::min(period_us_ * (static_cast<double>(at) + 1), kLatestUs)),
         .seq = at,
@@ -106,8 +106,7 @@ class PyDataset {
 
  private:
   std::string source_;
-  double period_us_ =
-      1e3;  // of frames that are sent as fast as they come: the shortest that has a rate
+  double period_us_ = 1e3;  // where no rate is set: that of the highest rate allowed
   std::unique_ptr<scenes::Dataset> dataset_;
   std::atomic_flag taken_;
 };

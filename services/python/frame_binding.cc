@@ -53,7 +53,7 @@ py::object Kept(cv::Mat1f& map, const Make& make) {
   return ToArray(map);
 }
 
-// A log can have a calibration of other images: with it no depth would be right.
+// A log may have a calibration of another size, which would give wrong depths.
 bool HasMapOfRig(const Frame& parts) {
   return parts.disparity && parts.rig && parts.disparity->size() == parts.rig->pair.size();
 }
@@ -110,7 +110,7 @@ py::object DepthCountsOf(const PyFrame& frame) {
                   "flying"_a = counts.flying);
 }
 
-// (N, 3) float32.
+// The points as an array (N, 3) of float32.
 py::array_t<float> PositionsOf(const PointCloud& cloud) {
   py::array_t<float> positions({static_cast<int>(cloud.points.size()), 3});
   float* to = positions.mutable_data();
@@ -131,7 +131,7 @@ py::object OrNone(const std::optional<T>& value) {
   return value ? py::cast(*value) : py::none();
 }
 
-// The map of which depths and points are.
+// The disparities that give depths and points.
 const std::optional<DisparityImage>& MapOf(const PyFrame& frame) {
   if (frame.kept) return frame.kept;
   return frame.depth_of_fused ? frame.frame.fused : frame.frame.disparity;

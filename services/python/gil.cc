@@ -15,7 +15,7 @@ std::atomic<bool> ending = false;
 std::atomic<int> taking = 0;      // threads between the look at `ending` and having the lock
 std::thread::id ending_thread{};  // set before `ending`
 
-// Counts a thread that waits for the lock, unless it must not have it any more: then it stays here.
+// Counts a thread that waits for the lock. When the interpreter ends the constructor never returns.
 class Taking {
  public:
   Taking() {
@@ -29,7 +29,7 @@ class Taking {
   Taking& operator=(const Taking&) = delete;
 };
 
-// Runs before Python ends its threads. Those that wait for the lock get it once more.
+// Runs before Python ends its threads. Threads that wait for the lock already still get it.
 void End() {
   constexpr std::chrono::milliseconds kPeriod{1};
   ending_thread = std::this_thread::get_id();

@@ -34,10 +34,11 @@ class Locked {
   PyGILState_STATE state_;
 };
 
-/// Whether the interpreter ends: what would need the lock is left undone.
+/// Whether the interpreter ends, so that nothing more may take the lock.
 bool IsEnding();
 
-/// Lets threads stand still from the time the interpreter ends. Called once, by the module.
+/// Makes threads wait for ever instead of taking the lock once the interpreter ends. Called once,
+/// by the module.
 void WatchForTheEnd();
 
 }  // namespace sprout::python

@@ -38,7 +38,7 @@ std::vector<std::string_view> ChannelsOf(const PartSet& parts) {
   return channels;
 }
 
-// So that the reason is known in time.
+// Short enough that a warning comes before the timeout and can be its reason.
 std::chrono::milliseconds PatienceOf(const std::optional<double>& timeout_s) {
   constexpr std::chrono::milliseconds kShortest{100};
   if (!timeout_s ||
@@ -106,7 +106,7 @@ class Listener {
     for (Frame& frame : *frames) skipped_ += mailbox_.Put(std::move(frame));
   }
 
-  // Who waits without a timeout would never know why.
+  // A caller that waits without a timeout would never learn why.
   void WarnOfSilence() {
     const std::string text = monitor_.Snapshot().last_error;
     if (text == std::exchange(warned_, text) || text.empty()) return;
@@ -115,7 +115,7 @@ class Listener {
   }
 
   std::optional<double> timeout_s_;
-  std::string warned_;  // the warning that holds now
+  std::string warned_;  // the newest warning, while it holds
   FrameJoiner joiner_;
   StageMonitor monitor_{"listen", ""};
   SilenceWatch silence_;

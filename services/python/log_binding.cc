@@ -27,7 +27,7 @@ struct Refused {
   }
 };
 
-// The whole log, looked through once.
+// What one pass over the whole log has found.
 struct Contents {
   explicit Contents(const std::string& prefix) : index({.prefix = prefix}) {}
 
@@ -49,7 +49,7 @@ Frame FetchFrame(EventFetcher& fetcher, const IndexedFrame& places, const PartSe
 class PyLog {
  public:
   PyLog(fs::path path, std::string prefix) : path_(std::move(path)), prefix_(std::move(prefix)) {
-    std::error_code unreadable;  // is said by who opens it
+    std::error_code unreadable;  // reported when the file is opened
     if (!fs::exists(path_, unreadable) && !unreadable) {
       SetError(PyExc_FileNotFoundError, path_.string() + ": no such file");
       throw py::error_already_set();
@@ -139,7 +139,8 @@ class PyLog {
   std::atomic_flag taken_;
 };
 
-// Reads by itself, so that several can go through one log; from the start on without an index.
+// An iterator with a reader of its own, so that several can read one log. From the start on it
+// needs no index.
 class PyLogFrames {
  public:
   PyLogFrames(PyLog& log, const PartSet& parts, int64_t start)

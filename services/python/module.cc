@@ -55,8 +55,8 @@ void SetThreads(int count) {
   sprout::SetThreads(count);
 }
 
-// What the base does. Python allows __new__ only where it is the very function of the class that
-// __new__ was found in, and that is pybind11's base.
+// Calls __new__ of the base. Python allows that only for the function of the class in which __new__
+// was found, which is pybind11's base.
 PyObject* NewOf(PyTypeObject* type, PyObject* arguments, PyObject* named) {
   return pybind11::detail::pybind11_object_new(type, arguments, named);
 }
@@ -101,7 +101,7 @@ PYBIND11_MODULE(_sprout, module) {
              R"(set_threads(count: int) -> None
 
 Threads that a computation may use, for the whole process; 0: one a core; at most 1024. Results do not depend on it.)");
-  // What the module has to say it says to Python; run() has a log, and sets it up.
+  // The module reports by Python's exceptions and warnings. Only run() logs, and sets the level.
   sprout::SetLogLevel(sprout::LogLevel::kNone);
   RefuseNew(module);
   python::WatchForTheEnd();

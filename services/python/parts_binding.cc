@@ -99,7 +99,7 @@ TofZones MakeZones(const py::object& depth_m, const py::object& sigma_m, const p
   return zones;
 }
 
-// (R, C, N) of what the targets have.
+// An array (R, C, N) of one value of each target.
 template <typename Value, typename Get>
 py::array TargetArray(const TofZones& zones, const Get& get) {
   py::array_t<Value> array({zones.rows, zones.columns, zones.targets_per_zone});

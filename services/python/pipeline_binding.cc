@@ -108,7 +108,7 @@ class PyPipeline {
 
   SproutConfig config_;
   Pipeline pipeline_;
-  EightBits eight_bits_;  // with the interpreter's lock
+  EightBits eight_bits_;  // used only with the interpreter's lock
   std::atomic_flag taken_;
 };
 

@@ -27,7 +27,7 @@ class PyRectifier {
     CameraImage raw_left = TakeCameraImage("left", left, raw.left.size());
     CameraImage raw_right = TakeCameraImage("right", right, raw.right.size());
     TofImage ranges = TakeTof(tof, raw.tof.size());
-    ranges.depth_m = ranges.depth_m.clone();  // is worked on in place
+    ranges.depth_m = ranges.depth_m.clone();  // it is changed in place
     eight_bits_.Convert({&raw_left, &raw_right});
     if (const std::string note = eight_bits_.TakeNote(); !note.empty()) {
       if (PyErr_WarnEx(PyExc_UserWarning, note.c_str(), 1) != 0) throw py::error_already_set();
@@ -46,7 +46,7 @@ class PyRectifier {
 
  private:
   const Rectifier rectifier_;
-  EightBits eight_bits_;  // with the interpreter's lock
+  EightBits eight_bits_;  // used only with the interpreter's lock
 };
 
 }  // namespace

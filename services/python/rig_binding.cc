@@ -92,7 +92,7 @@ py::dict DictOf(const Rig& rig) {
                   "tof"_a = rig.tof.width > 0 ? py::object(DictOf(rig.tof)) : py::none());
 }
 
-// Through the constructor, which names a key that is missing, or one that there is not.
+// Calls the class with the keys as arguments, so that missing and unknown keys are named.
 py::object FromDict(const char* type, const py::dict& dict) {
   py::dict arguments(**dict);
   if (arguments.contains("tof") && py::isinstance<py::dict>(arguments["tof"])) {
@@ -115,7 +115,7 @@ py::tuple ReduceTo(const char* type, const py::dict& dict) {
                         py::make_tuple(py::module_::import("sprout._sprout").attr(type)));
 }
 
-// Of what DictOf() gives.
+// repr() of an object whose constructor takes the entries of `dict`.
 std::string Repr(const std::string& type, const py::dict& dict) {
   std::string text;
   for (const auto& [key, value] : dict) {
@@ -192,7 +192,7 @@ Eigen::Quaternion<double, Eigen::DontAlign> TakeRotation(const py::handle& rotat
   }
   Eigen::Matrix3d matrix;
   for (int i = 0; i < 9; ++i) matrix(i / 3, i % 3) = numbers.at(i / 3, i % 3);
-  // Seven digits are what calibration files have.
+  // Loose enough for rotations that are written with few digits.
   constexpr double kTolerance = 1e-4;
   const double off = (matrix * matrix.transpose() - Eigen::Matrix3d::Identity()).norm();
   if (!(off < kTolerance) || matrix.determinant() < 0) {

@@ -22,25 +22,25 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kStages = {"refine", "prior", "grow"};
 
-// What the stages behind would not use, without a word here.
+// Refuses an answer that later stages would reject: the caller learns the reason here.
 void RequireRight(const std::string& name, const std::optional<std::string>& wrong) {
   if (wrong) throw py::value_error(name + ": " + *wrong);
 }
 
-// The least disparity that is taken, px: as far below 0 as the calibration or the seeds reach, and
-// a pixel of rounding.
-double LeastTaken(const Frame& frame) {
+// Smallest disparity that an answer may have, px: as far below 0 as the calibration or the seeds
+// reach, less a pixel for rounding.
+double MinDisparity(const Frame& frame) {
   int columns = frame.rig ? ColumnsBelowZero(frame.rig->pair) : 0;
   if (frame.seeds) columns = std::max(columns, ColumnsBelowZero(frame.seeds->seeds));
   if (!frame.rig && !frame.seeds) columns = kMaxColumns;
   return -1.0 - columns;
 }
 
-// What a function gives becomes a part; sizes are those of LEFT.
+// Converts what the function returned to a part, of the size of LEFT.
 PartValue TakeValue(Part part, const py::handle& given, const Frame& frame) {
   const std::string name = NameOf(part);
   const cv::Size size = frame.left.size();
-  const double least_px = LeastTaken(frame);
+  const double least_px = MinDisparity(frame);
   switch (part) {
     case Part::kPrior: {
       if (!py::isinstance<PriorMap>(given)) Refuse(name, "a PriorMap", given);
@@ -76,7 +76,7 @@ PartValue TakeValue(Part part, const py::handle& given, const Frame& frame) {
   }
 }
 
-// Why an answer is none; empty when it is one.
+// Why an answer is empty ("no seeds"); empty when it is not.
 std::string EmptyText(const PartValue& value) {
   if (const auto* set = std::get_if<SeedSet>(&value)) {
     return set->seeds.empty() ? "the stage's function gives no seeds" : "";
@@ -102,7 +102,7 @@ PartValue EmptyValue(Part part, cv::Size size) {
   }
 }
 
-// An exception as pybind11 tells it: text, an empty line, and the places that it came through.
+// One line of pybind11's text of an exception, which is the message, an empty line and a traceback.
 std::string InOneLine(std::string text) {
   constexpr std::string_view kPlaces = "\n\nAt:\n  ";
   const size_t places = text.rfind(kPlaces);
@@ -118,7 +118,7 @@ std::string InOneLine(std::string text) {
 // the interpreter's lock.
 class PyStage : public StageAdapter {
  public:
-  // @param ending  gets what ended the program in place of an answer.
+  // @param ending  gets an exception that ends the program, such as SystemExit.
   PyStage(const std::string& stage, const SproutConfig& config, PartSet inputs, py::object function,
           std::optional<py::error_already_set>& ending)
       : stage_(stage),
@@ -132,7 +132,7 @@ class PyStage : public StageAdapter {
 
   StageResult Process(const Frame& frame) override {
     const Locked gil;
-    // The signal takes its time; who has ended the program is not called again.
+    // The program ends some time after the signal; until then the function is not called again.
     if (ending_) throw std::runtime_error("the stage's function has ended the program");
     try {
       return Answer(frame);

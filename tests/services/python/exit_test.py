@@ -9,7 +9,7 @@ import unittest
 import sprout
 from frames import SAMPLE, FolderTest, compute, synthetic
 
-# What a daemon thread does while the program ends; each waits without the interpreter's lock.
+# Calls in which a daemon thread is while the program ends; each waits without the interpreter's lock.
 WORK = {
     "compute": """
         scene = sprout.Dataset("synthetic:160x120?tof=grid")[0]

@@ -11,7 +11,7 @@ from frames import SAMPLE, compute, run, synthetic
 
 class ModuleTest(unittest.TestCase):
     def test_has_the_version_of_the_programs(self) -> None:
-        # Of a tree that is half built the revisions behind it may differ.
+        # In a tree that is half built the revisions may differ.
         self.assertEqual(run("sprout-grow", "--version").split()[1], sprout.__version__.split()[0])
         self.assertRegex(sprout.__version__, r"^\d+\.\d+\.\d+ \(\w+")
 
@@ -30,7 +30,7 @@ class ModuleTest(unittest.TestCase):
         text = pydoc.render_doc(sprout, renderer=pydoc.plaintext)
         for said in ("pipeline = sprout.Pipeline", "compute(self, left: numpy.ndarray", "float32, z, m; NaN: none"):
             self.assertIn(said, text)
-        # Nothing that only C++ can read.
+        # No text may have types that only C++ knows.
         self.assertNotRegex(text, r"sprout::|cv::|std::")
 
     def test_shows_what_everything_is(self) -> None:

@@ -60,7 +60,7 @@ class BytesTest(FolderTest):
         for what, path in self.variants():
             for preset in PRESETS:
                 answers = self.folder / "answers.lcm"
-                # Only preset default has seeds without range points; of nothing come empty maps.
+                # Only preset default has seeds without range points; without seeds maps are empty.
                 is_empty = "ToF False" in what and preset != "default"
                 run("sprout-pipeline", "--config", preset, "--log-level", "error", "--replay", path,
                     "--record", answers, expect=1 if is_empty else 0)
@@ -132,7 +132,7 @@ class BytesTest(FolderTest):
             z = numpy.where(z > 0, z, numpy.nan).astype(numpy.float32)
             self.assertTrue(same(other.depth_m, z))
             self.assertEqual(len(other.points()), numpy.isfinite(z).sum())
-        # Numbers are not needed; reset() begins anew.
+        # Frames need no numbers; reset() forgets earlier ones.
         pipeline.reset()
         first, second = compute(pipeline, frames[0]), compute(pipeline, frames[1])
         self.assertEqual((first.motion.reset, second.motion.reset), ("FIRST", "NONE"))
@@ -141,7 +141,7 @@ class BytesTest(FolderTest):
             compute(pipeline, frames[2], seq=3)
         with self.assertRaisesRegex(ValueError, r"time.utime: -1; allowed: 0 to 2\^62"):
             compute(pipeline, frames[2], seq=3, utime=-1)
-        # Poses that are given: those that were measured, seen from elsewhere.
+        # The given poses are the measured ones, in another frame.
         given = sprout.Pipeline(*config, "temporal { motion: CHANNEL }")
         world = numpy.array([[0, 0, 1, 7], [0, 1, 0, 0], [-1, 0, 0, 2], [0, 0, 0, 1]], float)
         pipeline.reset()

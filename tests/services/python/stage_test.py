@@ -56,7 +56,7 @@ class StageTest(FolderTest):
         self.assertEqual(text.count("confidence is not sent: the configuration does not ask for it"), 1, text)
         self.assertRegex(text, r"frame 1: failed: RuntimeError: odd frames are too much at .*my_stages.py\(21\)")
         self.assertRegex(text, r"5 in, 3 out \(0 degenerate\), 2 failed")
-        # So does an answer that nobody would take.
+        # An answer that later stages would refuse fails as well.
         code, text = python("my_stages.py", "refine", "--config", "fast", "--replay", SAMPLE, "--record", record)
         self.assertEqual(code, 1, text)
         self.assertRegex(text, "seeds: seed 3: position not finite")

@@ -68,7 +68,7 @@ class ZonesTest(FolderTest):
             self.assertTrue(same(frame.left_seeds, expected.left_seeds))
             self.assertTrue(same(frame.disparity, expected.disparity))
             self.assertTrue(same(compute(pipeline, given, zones=given.tof_zones).disparity, frame.disparity))
-            # They take seeds away.
+            # These zones remove seeds.
             self.assertLess(len(frame.seeds), len(compute(without, given).seeds))
             self.assertTrue(same(compute(pipeline, given).seeds, compute(without, given).seeds))
         with self.assertRaisesRegex(ValueError, "zones: 2x1, but refine.zones is false"):
