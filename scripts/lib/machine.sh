@@ -6,7 +6,7 @@ machine=$work/machine
 machine_release=$(. /etc/os-release && echo "$VERSION_CODENAME")
 machine_pid= # of systemd-nspawn
 
-# Says in a line what is missing; false when something is.
+# Prints in one line what is missing; false when something is.
 machine_can() {
   local tool
   [ "$(id -u)" -eq 0 ] || { echo "needs root"; return 1; }
@@ -27,7 +27,7 @@ machine_make() {
   rm -rf "$machine"
   mkdir "$machine"
   tar -C "$machine" -xf "$work/base.tar"
-  # Its disk need not survive a power cut.
+  # Writing without fsync is faster, and the disk need not survive a power cut.
   echo force-unsafe-io > "$machine/etc/dpkg/dpkg.cfg.d/unsafe-io"
 }
 
@@ -71,7 +71,7 @@ machine_wait() {
   return 1
 }
 
-# Its first process.
+# Process id of the machine's first process.
 machine_init() {
   local children
   children=$(cat "/proc/$machine_pid/task/$machine_pid/children" 2> /dev/null) || return 1

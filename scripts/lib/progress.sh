@@ -7,7 +7,7 @@ ninja_steps() { sed -u -n 's|^\[\([0-9]*\)/\([0-9]*\)\] .*|\1 \2|p'; }
 # The same for the output of ctest.
 ctest_steps() { sed -u -n 's|^ *\([0-9]*\)/\([0-9]*\) Test *#.*|\1 \2|p'; }
 
-# What ctest says at the end, and before that the output of the tests that failed.
+# The output of the tests that failed, then what ctest prints at its end.
 ctest_verdict() { # LOG
   if grep -q '^The following tests FAILED:' "$1"; then
     sed -n '/\*\*\*Failed\|\*\*\*Timeout\|\*\*\*Exception/,/^ *[0-9]*\/[0-9]* Test *#/p' "$1"
