@@ -239,7 +239,7 @@ int main(int argc, char** argv) {
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   try {
     sprout::RegisterAll();
-    // It has said so where none is of that name.
+    // The library prints an error where no benchmark has that name.
     return benchmark::RunSpecifiedBenchmarks() > 0 ? 0 : 2;
   } catch (const std::exception& e) {
     std::cerr << "sprout_bench: " << e.what() << "\n";

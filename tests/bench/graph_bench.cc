@@ -132,7 +132,7 @@ nlohmann::ordered_json FrameTimes::Summarise(const std::vector<std::string>& sta
   return result;
 }
 
-// What runs beside sprout-capture; the last one answers with the disparity.
+// The processes beside sprout-capture; the last one answers with the disparity.
 using Stages = std::vector<std::string>;
 
 Stages StagesOf(const std::string& hosting) {

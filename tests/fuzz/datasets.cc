@@ -1,4 +1,3 @@
-// Files of Middlebury's and KITTI's data sets.
 #include <cstring>
 #include <vector>
 

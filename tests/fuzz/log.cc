@@ -1,4 +1,3 @@
-// Log files, whole and damaged.
 #include <algorithm>
 
 #include "common/logfile/log_reader.h"

@@ -1,4 +1,4 @@
-// What people write: configuration and rig files.
+// Files that people write: configurations and rig files.
 #include <filesystem>
 
 #include "common/config/config.h"

@@ -10,7 +10,7 @@ namespace sprout::fuzz {
 
 using Bytes = std::vector<uint8_t>;
 
-/// One reader of bytes that we did not write.
+/// One reader of untrusted bytes.
 struct Target {
   std::string_view name;
 
@@ -36,7 +36,7 @@ void Check(bool holds, const std::string& what);
 
 inline Bytes BytesOf(std::string_view text) { return {text.begin(), text.end()}; }
 
-/// A file of these bytes that exists in memory only, for readers that take a path.
+/// A file in memory with these bytes, for readers that take a path.
 class MemoryFile {
  public:
   explicit MemoryFile(std::span<const uint8_t> bytes);

@@ -247,7 +247,7 @@ int Run(const Options& options) {
   sigemptyset(&ends);
   for (const int signal : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&ends, signal);
   pthread_sigmask(SIG_BLOCK, &ends, nullptr);
-  // Who moves the interface here has to start this program first.
+  // The interface is moved into this network after the program has started, so it is waited for.
   for (int i = 0; i < 1000 && !IsUp(options.interface); ++i) {
     std::this_thread::sleep_for(milliseconds(10));
   }

@@ -86,7 +86,7 @@ std::string Trigger() {
          Command("TriggerSoftware", ARV_FAKE_CAMERA_REGISTER_TRIGGER_SOFTWARE, 1);
 }
 
-// As a ToF camera has it.
+// The features of a ToF camera (SFNC, 3D Scan Control).
 std::string Scan3d() {
   return Constant("Integer", "Scan3dCoordinateSelectorValue", 2) +
          Enumeration("Scan3dCoordinateSelector",

@@ -47,7 +47,7 @@ void FakeRig::Start(const std::string& serial, const std::vector<std::string>& f
   command.insert(command.end(), flags.begin(), flags.end());
   auto process = std::make_unique<Process>(command);
   const std::string pid = std::to_string(process->pid());
-  // Until unshare has made the network, the camera would be in this one.
+  // Waits until unshare has made the network: before, the camera would use this one.
   const std::string here = NetworkOf("self");
   if (!WaitFor([&] { return NetworkOf(pid) != here && !NetworkOf(pid).empty(); })) {
     throw std::runtime_error("no network of its own: " + process->Output());

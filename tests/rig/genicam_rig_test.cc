@@ -33,7 +33,7 @@ using std::chrono::seconds;
 using testing::AllOf;
 using testing::HasSubstr;
 
-// What a stretch of frames was like.
+// What was counted over some frames.
 struct Tally {
   int64_t frames = 0;
   int64_t lost = 0;
@@ -53,7 +53,7 @@ std::ostream& operator<<(std::ostream& out, const Tally& tally) {
              << " ms (truly " << tally.true_spread_ms << " ms); " << tally.troubles;
 }
 
-// What capture does with the reasons for which it waits.
+// Collects the reasons for which the source waits, as capture does.
 void Say(const std::string& reason) {
   if (!reason.empty()) LogLine(LogLevel::kWarning, "{}", reason);
 }
@@ -166,7 +166,7 @@ class GenicamRig : public testing::Test {
     return {std::istream_iterator<int64_t>(file), {}};
   }
 
-  // Of those that may be taken for a partner.
+  // The nearest of the times that may be taken for a partner's.
   static std::optional<int64_t> Nearest(const std::set<int64_t>& times, int64_t time) {
     std::optional<int64_t> nearest;
     for (const int64_t other : times) {

@@ -94,7 +94,7 @@ class Newcomer : public testing::Test {
            "--drift", "30"});
   }
 
-  // What stands in the rig file of somebody who has just bought cameras.
+  // Writes the rig file of new cameras: without a calibration.
   std::string WriteDevices(double rate_hz) const {
     const std::string path = File("devices.textproto");
     std::ofstream(path) << "left { serial: 'LEFT' packet_size: 8000 }\n"
@@ -130,7 +130,7 @@ class Newcomer : public testing::Test {
     EXPECT_EQ(capture.Wait(), 0) << capture.Output();
   }
 
-  // The graph with a calibration; what it makes of the frames.
+  // Runs the graph with a calibration. @returns its maps.
   Maps RunGraph(const std::string& rig_file, int frames) const {
     Graph graph;
     for (const char* stage : {"refine", "prior", "grow"}) graph.Start(stage);

@@ -35,10 +35,10 @@ constexpr char kCapturePrefix[] = "ATTACKED_";
 // is sent here, being decoded and worked on (0.5 GB).
 constexpr int64_t kMaxMegabytes = 2048;
 
-// What the attacked processes say.
-class Ear {
+// Receives what the attacked processes send.
+class Listener {
  public:
-  Ear()
+  Listener()
       : graph_(Url(), "", {ChannelOf(Part::kDisparity), kStatusChannel}, On()),
         capture_(Url(), kCapturePrefix, {ChannelOf(Part::kLeft), kStatusChannel}, On()) {}
 
@@ -118,7 +118,7 @@ class Attack {
   void RequireReady() {
     for (const auto& [name, target] : targets_) {
       const pid_t pid = target.process->pid();
-      if (!ear_.WaitUntil(kAnswerTime, [&](Ear& ear) { return ear.heard.contains(pid); })) {
+      if (!ear_.WaitUntil(kAnswerTime, [&](Listener& ear) { return ear.heard.contains(pid); })) {
         RequireAlive();
         throw Failure("no status from " + name);
       }
@@ -149,7 +149,7 @@ class Attack {
     for (const auto& [name, target] : targets_) {
       const pid_t pid = target.process->pid();
       int64_t counted = 0;
-      ear_.WaitUntil(seconds(0), [&](Ear& ear) {
+      ear_.WaitUntil(seconds(0), [&](Listener& ear) {
         counted = ear.heard[pid].bad_messages;
         return true;
       });
@@ -160,7 +160,7 @@ class Attack {
 
  private:
   void Start(const std::string& name, std::vector<std::string> flags, const PartSet& parts) {
-    flags.insert(flags.begin(), {ProgramPath("sprout-" + name), "--lcm-url", Ear::Url()});
+    flags.insert(flags.begin(), {ProgramPath("sprout-" + name), "--lcm-url", Listener::Url()});
     Target& target = targets_[name];
     target.process = std::make_unique<Process>(flags);
     for (const Part part : kAllParts) {
@@ -186,7 +186,7 @@ class Attack {
       for (const HostileMessage& message : hostile_.GoodFrame(seq)) Send(publisher_, message);
       for (auto waited = seconds(0); waited < kAnswerTime; ++waited) {
         RequireAlive();
-        const auto has_answer = [&](Ear& ear) { return ear.answered.contains(seq); };
+        const auto has_answer = [&](Listener& ear) { return ear.answered.contains(seq); };
         if (ear_.WaitUntil(seconds(1), has_answer)) return;
       }
     }
@@ -200,7 +200,7 @@ class Attack {
     Send(capture_publisher_,
          {"good statuses", std::string(kStatusChannel), EncodeStatus(status), false});
     std::map<int64_t, FrameId> captured;
-    const bool goes_on = ear_.WaitUntil(kAnswerTime, [&](Ear& ear) {
+    const bool goes_on = ear_.WaitUntil(kAnswerTime, [&](Listener& ear) {
       captured = std::move(ear.captured);
       ear.captured.clear();
       return !captured.empty();
@@ -218,9 +218,10 @@ class Attack {
   void RequireCounts() {
     for (const auto& [name, target] : targets_) {
       const pid_t pid = target.process->pid();
-      const bool counted = ear_.WaitUntil(seconds(10), [&, least = target.bad_sent / 2](Ear& ear) {
-        return ear.heard[pid].bad_messages >= least;
-      });
+      const bool counted =
+          ear_.WaitUntil(seconds(10), [&, least = target.bad_sent / 2](Listener& ear) {
+            return ear.heard[pid].bad_messages >= least;
+          });
       if (!counted) throw Failure(name + " has not counted its bad messages");
       const int64_t peak = PeakMegabytes(pid);
       if (peak > kMaxMegabytes) throw Failure(fmt::format("{} took {} MB", name, peak));
@@ -228,9 +229,9 @@ class Attack {
   }
 
   HostileMessages hostile_;
-  Ear ear_;
-  Publisher publisher_{Ear::Url(), ""};
-  Publisher capture_publisher_{Ear::Url(), kCapturePrefix};
+  Listener ear_;
+  Publisher publisher_{Listener::Url(), ""};
+  Publisher capture_publisher_{Listener::Url(), kCapturePrefix};
   std::map<std::string, Target> targets_;
   std::map<std::string, int64_t> sent_;  // by way
   int64_t next_good_ = 1'000'000;        // seq beyond all hostile ones but the extremes

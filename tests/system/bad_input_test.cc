@@ -26,7 +26,7 @@ struct HandFrame {
   Rig rig;
 };
 
-// Nothing that stereo could match.
+// The frame with images that stereo cannot match.
 HandFrame WithoutTexture(const HandFrame& of) {
   HandFrame frame = of;
   frame.frame.left = cv::Mat(of.frame.left.size(), of.frame.left.type(), cv::Scalar::all(100));

@@ -177,7 +177,7 @@ TEST_F(BatchSystem, ALogWithoutACompleteFrameIsListedAndIsNoFailure) {
   // Alone it is one: probably flags are wrong.
   fs::remove(logs_ / "run.lcm");
   EXPECT_THAT(OutputOf(command_, 1), HasSubstr("no frame was answered in these logs"));
-  // What is no log stops the command_ before anything is computed.
+  // A file that is no log stops the command before anything is computed.
   std::ofstream(logs_ / "text.lcm") << "no log at all\n";
   EXPECT_EQ(RunProgramOf(command_).exit_code, 2);
 }
@@ -214,7 +214,7 @@ void ReplaceAll(std::string& text, const std::string& from, const std::string& t
   }
 }
 
-// What somebody copies from under "compute it again", of the first frame that is shown.
+// The commands of the report's "compute it again", of the first frame that is shown.
 std::string FirstCommands(const std::string& report) {
   const std::string begin = "compute it again</summary><pre>";
   const size_t at = report.find(begin) + begin.size();

@@ -51,7 +51,7 @@ void ExpectAsRecorded(const ChannelBytes& heard) {
 }
 
 TEST(CaptureLogSystem, LockstepSendsTheWholeLogAsRecordedAndNoFrameIsLost) {
-  // Under a prefix that the log does not have.
+  // Sent with a prefix that the log does not have.
   Graph graph("AGAIN_");
   RawListener listener("AGAIN_");
   graph.StartChain();

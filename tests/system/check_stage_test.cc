@@ -150,8 +150,8 @@ TEST_P(CheckCaptureFaults, AreFoundForTheRightReason) {
   ExpectFound(GetParam(), CheckCapture({ProgramPath("wrong_capture"), GetParam().name}));
 }
 
-// What the course of a check finds, and one fault of the messages; capture_listener_test.cc has the
-// rest.
+// Faults that the steps of a check find, and one of the messages; capture_listener_test.cc has the
+// others.
 INSTANTIATE_TEST_SUITE_P(
     System, CheckCaptureFaults,
     testing::Values(

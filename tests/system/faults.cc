@@ -146,10 +146,10 @@ class FaultRun {
     std::cout << fmt::format("{:>4}  {:<8} {:<8} {:>14}", number + 1, name,
                              kill ? "killed" : "stopped", after_ms)
               << std::flush;
-    std::optional<StageStatus> last_words;
-    kill ? static_cast<void>(last_words = Kill(name)) : Stop(name);
+    std::optional<StageStatus> last_status;
+    kill ? static_cast<void>(last_status = Kill(name)) : Stop(name);
     EndCapture();
-    Balance(name, last_words);
+    Balance(name, last_status);
     Compare();
   }
 
@@ -171,7 +171,7 @@ class FaultRun {
     process.Signal(SIGKILL);
     process.Wait();
     std::this_thread::sleep_for(kRestartDelay);
-    const StageStatus last_words = record_.Now([&](GraphRecord& r) { return r.statuses.at(pid); });
+    const StageStatus last_status = record_.Now([&](GraphRecord& r) { return r.statuses.at(pid); });
     const StageStatus balanced = lives_.at(name).balanced;
     const auto started = Clock::now();
     name == "capture" ? StartCapture() : Start(name, {"--config", "default"});
@@ -183,7 +183,7 @@ class FaultRun {
     std::cout << fmt::format(" {:>9} of its start {:>4}\n", from_start, from_ready);
     if (milliseconds(from_ready) > kBackWithin) throw Failure("too late");
     killed_balanced_ = balanced;
-    return last_words;
+    return last_status;
   }
 
   // After a frame that is whole.
@@ -199,8 +199,8 @@ class FaultRun {
   }
 
   // Every frame that was sent must be answered, counted, or gone with the process that was killed.
-  void Balance(const std::string& victim, const std::optional<StageStatus>& last_words) {
-    // What capture says of itself when it ends.
+  void Balance(const std::string& victim, const std::optional<StageStatus>& last_status) {
+    // Takes the counts from the line that capture prints at its end.
     size_t sent = 0;
     const bool all_heard = record_.WaitUntil(
         [&](GraphRecord& r) {
@@ -214,13 +214,13 @@ class FaultRun {
     if (!all_heard) throw Failure("capture counts other frames than those that were heard");
     sent_ += static_cast<int64_t>(sent);
     for (const Stage& stage : kStages) {
-      const bool killed = victim == stage.name && last_words;
-      BalanceStage(stage, static_cast<int64_t>(sent), killed ? last_words : std::nullopt);
+      const bool killed = victim == stage.name && last_status;
+      BalanceStage(stage, static_cast<int64_t>(sent), killed ? last_status : std::nullopt);
     }
   }
 
   void BalanceStage(const Stage& stage, int64_t sent,
-                    const std::optional<StageStatus>& last_words) {
+                    const std::optional<StageStatus>& last_status) {
     Life& life = lives_.at(stage.name);
     const StageStatus before = life.balanced;
     StageStatus now;
@@ -234,7 +234,7 @@ class FaultRun {
           const bool at_the_end =
               r.sent.back() == GraphRecord::Key{now.newest_frame.utime, now.newest_frame.seq};
           return at_the_end &&
-                 (last_words ? accounted() >= least && accounted() <= most : accounted() == sent);
+                 (last_status ? accounted() >= least && accounted() <= most : accounted() == sent);
         },
         kBalanceTime);
     if (!balanced) {
@@ -243,7 +243,7 @@ class FaultRun {
     }
     if (now.bad_messages > 0) throw Failure(fmt::format("{}: {}", stage.name, now.last_error));
     Add(stage, before, now);
-    if (last_words) AddKilled(stage, *last_words, sent - accounted());
+    if (last_status) AddKilled(stage, *last_status, sent - accounted());
     life.balanced = now;
   }
 
@@ -256,13 +256,13 @@ class FaultRun {
     account.failed += now.frames_failed - before.frames_failed;
   }
 
-  // The frames before the first one of the new process: answered (heard here), counted in the last
-  // status of the old one, or gone. The gone ones were all sent after what that status tells of.
-  void AddKilled(const Stage& stage, const StageStatus& last_words, int64_t frames) {
+  // Accounts for the frames before the first one of the new process: answered (heard here), counted
+  // in the last status of the old one, or lost with it. Lost ones were all sent after that status.
+  void AddKilled(const Stage& stage, const StageStatus& last_status, int64_t frames) {
     int64_t answered = 0;
     int64_t untold = 0;
     record_.Now([&](GraphRecord& r) {
-      const GraphRecord::Key told{last_words.newest_frame.utime, last_words.newest_frame.seq};
+      const GraphRecord::Key told{last_status.newest_frame.utime, last_status.newest_frame.seq};
       for (int64_t i = 0; i < frames; ++i) {
         const GraphRecord::Key& key = r.sent[static_cast<size_t>(i)];
         answered += r.frames.at(key).at.contains(stage.answer);
@@ -270,12 +270,12 @@ class FaultRun {
       }
     });
     const int64_t gone =
-        frames - answered - (CountedLost(last_words) - CountedLost(killed_balanced_));
+        frames - answered - (CountedLost(last_status) - CountedLost(killed_balanced_));
     if (gone < 0 || gone > untold) {
       throw Failure(fmt::format("{}: {} frames are gone, of {} after its last status", stage.name,
                                 gone, untold));
     }
-    StageStatus told = last_words;
+    StageStatus told = last_status;
     told.frames_out = killed_balanced_.frames_out + answered;
     Add(stage, killed_balanced_, told);
     accounts_[stage.name].gone += gone;

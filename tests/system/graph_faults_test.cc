@@ -1,5 +1,5 @@
-// What happens to a robot that nobody looks after, one thing a test. Stages that are killed and
-// stopped: faults.cc. A bad network: network_faults_test.cc.
+// Faults that a graph must survive unattended, one a test. Stages that are killed and stopped:
+// faults.cc. A bad network: network_faults_test.cc.
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>

@@ -78,13 +78,15 @@ struct Comparison {
 Comparison CompareWithPipeline(const std::map<GraphRecord::Key, GraphRecord::Heard>& frames,
                                const SproutConfig& config);
 
-/// Empty when there are so many maps, none of them wrong, each of a frame that was sent whole.
+/// What is wrong with a comparison; empty when there are `least` maps or more, none of them wrong,
+/// each
+// of a frame that was sent whole.
 std::string Objection(const Comparison& comparison, int64_t least);
 
 /// Frames that a stage counts as lost on its way, for whatever reason.
 int64_t CountedLost(const StageStatus& status);
 
-/// What became of the frames of a stage that counted `before` at first.
+/// Text about what became of the frames of a stage since the status `before`.
 std::string AccountText(const StageStatus& status, const StageStatus& before = {});
 
 /// Frames that a stage has accounted for: answered or lost.

@@ -24,7 +24,6 @@ inline ChannelBytes ReadChannels(const std::filesystem::path& log) {
   return channels;
 }
 
-/// The sample that ships.
 inline const std::filesystem::path kSampleLog =
     std::filesystem::path(SPROUT_SOURCE_DIR) / "logs" / "sample.lcm";
 

@@ -15,8 +15,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// In the place of a stage behind refine: of the frames that have `input` it takes the newest, and
-// answers it after `time`, whatever else the machine has to do.
+// Takes the place of a stage after refine: of the frames that have `input` it takes the newest, and
+// answers it after `time`, however busy the machine is.
 class SleepingStage {
  public:
   SleepingStage(Part input, Part output, PartValue answer, milliseconds time)

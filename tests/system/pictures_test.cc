@@ -1,4 +1,4 @@
-// What a person does with a running graph: record it, then look at it.
+// A person records a running graph, then looks at the log.
 #include <gmock/gmock.h>
 
 #include <csignal>

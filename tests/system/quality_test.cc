@@ -40,7 +40,7 @@ class QualitySystem : public ::testing::Test {
       if (sigma > 0) {
         graph_.PublishPart(id, Part::kSigma, cv::Mat(wall.size(), CV_8UC1, cv::Scalar(sigma)));
       }
-      // What is no map at all does not stop it.
+      // A message that is no map does not stop it.
       const std::array<uint8_t, 5> garbage = {1, 2, 3, 4, 5};
       graph_.Publish(ChannelOf(Part::kDisparity), garbage);
       if (quality.Wait(std::chrono::seconds(0))) return;

@@ -33,7 +33,7 @@ TEST(ReceiverSystem, LosesNothingOfABurstWhileItsHandlerIsBusy) {
   EXPECT_EQ(heard, kMessages);
 }
 
-// Of these LCM says that they were sent.
+// LCM reports that such messages were sent.
 TEST(PublisherSystem, SaysWhyAMessageOfSeveralDatagramsWasNotSent) {
   Publisher publisher(kDefaultLcmUrl, "");
   const std::vector<uint8_t> image(1'000'000);

@@ -243,7 +243,7 @@ TEST_F(RecordRobot, SaysThatTheDiskIsFullAndLeavesAReadableLog) {
   }
   fs::create_directory(folder_ / "disk");
   Graph graph;
-  // What is on that disk is gone with the process, so it is copied before.
+  // The disk vanishes with the process, so its files are copied before.
   Process record({"unshare", "--mount", "sh", "-c",
                   "cd $1 && mount -t tmpfs -o size=3m tmpfs disk && $2 --dir disk; code=$?; "
                   "cp -r disk kept; exit $code",

@@ -190,7 +190,7 @@ TEST(DemoScript, RefusesASecondOneAtATime) {
   const std::string lock = tree + "/out/demo.lock";
   const int descriptor = open(lock.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   ASSERT_GE(descriptor, 0);
-  flock(descriptor, LOCK_EX | LOCK_NB);  // when it fails, a demo is running: as good
+  flock(descriptor, LOCK_EX | LOCK_NB);  // if it fails, a demo holds the lock, which is as good
   EXPECT_THAT(OutputOf({tree + "/scripts/demo", "--synthetic"}, 1),
               HasSubstr("another demo writes to"));
   close(descriptor);

@@ -1,4 +1,4 @@
-// sprout-capture and sprout-calibrate with files and senders that mean them harm.
+// sprout-capture and sprout-calibrate with hostile files and senders.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <unistd.h>

@@ -54,7 +54,8 @@ void GetEveryImage(cv::Size size, const std::string& qos = "reliable") {
   std::cout << "sent " << sent << " frames, shown " << status.frames_out - before.frames_out
             << " messages, failed " << status.frames_failed << "; heard from the first second on:\n"
             << peer->Output();
-  // What came before discovery was over is nobody's; the bus may lose frames, counted.
+  // Images from before the end of discovery do not count; the bus may lose frames, which are
+  // counted.
   EXPECT_GE(heard + status.sequence_gaps, status.frames_out - 20) << warm.line;
   EXPECT_EQ(status.frames_failed, 0);
 }
@@ -174,7 +175,7 @@ TEST(Ros2Fast, CompressesImagesAndOrdersPoints) {
 
 // ---- capture ----
 
-// What came before capture knew the camera is nobody's: up to a second on a busy machine.
+// Images from before capture knew the camera do not count: up to a second on a busy machine.
 void CapturesAll(const std::string& size, const std::vector<std::string>& more) {
   FedGraph graph;
   Process& capture = graph.StartOnly("capture", Source());

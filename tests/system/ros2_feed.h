@@ -7,7 +7,7 @@
 #include "tests/common/messages/examples.h"
 #include "tests/system/graph.h"
 
-// What sprout-ros2 shows, without the stages that make it.
+// Sends the messages that sprout-ros2 shows, in place of the stages.
 namespace sprout {
 
 // Receives the statuses alone, not the frames of 8 MB that it sends.

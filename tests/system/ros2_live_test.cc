@@ -43,7 +43,7 @@ TEST(Ros2Live, DepthOfACameraReachesTheViewerAndWhatDoesNotIsCounted) {
   const StageStatus of_capture = StatusOf(graph);
   const Heard heard = EndOf(*viewer, depth);
   const Heard heard_left = HeardOf(viewer->Output(), left);
-  // What each stage says that it did not pass on.
+  // The frames that each stage counts as not passed on.
   long counted = 0;
   std::map<std::string, StageStatus> statuses;
   graph.Look([&](Graph& g) { statuses = g.statuses; });

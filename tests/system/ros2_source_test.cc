@@ -43,7 +43,7 @@ TEST(Ros2System, TakesPairsOfAnotherHost) {
   const StageStatus status = graph.statuses["capture"];
   std::cout << "sent " << sent << " pairs, captured " << status.frames_out << ", failed "
             << status.frames_failed << "\n";
-  // What came before discovery was over is nobody's.
+  // Images from before the end of discovery do not count.
   EXPECT_GE(status.frames_out + status.frames_failed, sent - 30) << capture.Output();
   EXPECT_LE(status.frames_failed, sent / 20) << capture.Output();
   EXPECT_THAT(capture.Output(), Not(HasSubstr("publishers on"))) << "one, then another one";

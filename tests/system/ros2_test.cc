@@ -30,7 +30,6 @@ long Heard(const std::string& output, const std::string& topic) {
   return -1;
 }
 
-// CPU time of a process.
 struct CpuTime {
   double user_ms = 0;
   double system_ms = 0;

@@ -11,14 +11,13 @@
 #include "tests/system/graph.h"
 #include "tests/system/run_program.h"
 
-// Processes that wait for what never comes: a signal ends them all the same. And a server that is
-// gone.
+// Processes that wait for something that never comes: a signal must end them. And a lost server.
 namespace sprout {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Of supervisors, which kill then.
+// Time until supervisors kill a process.
 constexpr std::chrono::seconds kPatience{2};
 
 fs::path MakeFifo(const fs::path& path) {

@@ -1,4 +1,4 @@
-// What people use beside the stages: depth and clouds as messages, the board of statuses.
+// Programs that people use beside the stages: depth and clouds as messages, the board of statuses.
 #include <gmock/gmock.h>
 
 #include <csignal>
@@ -36,7 +36,7 @@ TEST(DepthSystem, TurnsEveryMapIntoDepthAndPoints) {
   });
 }
 
-// What a capture process of somebody else's, with LCM's own library, leads to.
+// The example of a capture process, which uses LCM's library alone.
 TEST(CaptureExampleSystem, LeadsToADepthMapOfItsWall) {
   Graph graph;
   graph.StartChain();

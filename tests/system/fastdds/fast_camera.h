@@ -63,7 +63,6 @@ inline sensor_msgs::msg::PointCloud2 Wall() {
   return wall;
 }
 
-// A stereo camera's driver.
 class Camera {
  public:
   Camera(Node& node, const std::string& rig, uint32_t width, uint32_t height,
