@@ -57,8 +57,7 @@ class LogFeed : public CaptureFeed {
   int64_t rounds() const { return rounds_; }
 
  private:
-  // Searches the whole log: calibrations are recorded once a second, so the first frames may come
-  // before one.
+  // Searches the whole log: a calibration comes once a second, so frames may come before the first.
   std::vector<uint8_t> FirstCalibration() const {
     LogReader reader(path_);
     ChannelCounts channels;

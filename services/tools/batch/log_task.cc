@@ -58,8 +58,8 @@ Table MeasureAnswers(const Manifest& manifest, const SproutConfig& config,
   return MeasureFrames(frames, answer);
 }
 
-// Whether no frame of the log has all that the first stage needs; if so, sets the counts of what is
-// missing. Reads the whole log. @throws LogError.
+// Whether no frame of the log has all that the first stage needs; then counts what is missing.
+// Reads the whole log. @throws LogError.
 bool CountWithoutFrames(const Manifest& manifest, const BatchLog& log, const SproutConfig& config,
                         StageRun& run) {
   int64_t refused = 0;

@@ -90,8 +90,7 @@ Surface MakeSurface(const std::filesystem::path& path, const Eigen::Vector2d& pa
     cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, nullptr);
   } else if (path.extension() == ".svg") {
     surface = cairo_svg_surface_create_for_stream(&Append, &bytes, points.x(), points.y());
-    // The unit is set, since Cairo's default depends on its version; a size without unit is in
-    // pixels.
+    // Cairo's default unit depends on its version.
     cairo_svg_surface_set_document_unit(surface, CAIRO_SVG_UNIT_PT);
   } else {
     throw ConfigError("--out " + path.string() + ": allowed is a name that ends in .pdf or .svg");

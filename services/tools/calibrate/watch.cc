@@ -132,9 +132,7 @@ class RawFrames {
     if (!part) return;
     Result<std::vector<Frame>> frames = joiner_.AddMessage(*part, bytes);
     if (!frames) {
-      // Frames without this part do not complete, of which SilenceWatch warns; the reason is
-      // printed
-      // once.
+      // SilenceWatch warns that no frame is complete; the reason is printed once.
       if (!complained_) std::cerr << "sprout-calibrate: " << frames.error().text << std::endl;
       complained_ = true;
       return;

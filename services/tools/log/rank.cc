@@ -77,8 +77,7 @@ void Ranking::Read() {
   const std::string complaint = ReadFrames(options_, parts, [&](const Frame& frame) {
     const FrameQuality quality = QualityOf(frame);
     const auto [known, added] = qualities.emplace(Key{frame.id.utime, frame.id.seq}, quality);
-    // A part that was recorded twice is read as a second frame of that number: the fuller one
-    // counts.
+    // A part that was recorded twice makes a second frame of that number: the fuller one counts.
     if (!added && CountKnown(quality) >= CountKnown(known->second)) known->second = quality;
   });
   for (const auto& [key, quality] : qualities) {

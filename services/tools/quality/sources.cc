@@ -121,8 +121,7 @@ class MapFrames {
     return FrameJoiner(needed);
   }
 
-  // Begins a new joiner: pending messages are lost, and the calibration, which comes again within a
-  // second.
+  // Pending messages are lost, and the calibration, which comes again within a second.
   void ExpectSigma(bool expected) {
     const std::lock_guard lock(mutex_);
     if (expected == with_sigma_) return;
