@@ -79,8 +79,7 @@ Comparison CompareWithPipeline(const std::map<GraphRecord::Key, GraphRecord::Hea
                                const SproutConfig& config);
 
 /// What is wrong with a comparison; empty when there are `least` maps or more, none of them wrong,
-/// each
-// of a frame that was sent whole.
+/// each of a frame that was sent whole.
 std::string Objection(const Comparison& comparison, int64_t least);
 
 /// Frames that a stage counts as lost on its way, for whatever reason.

@@ -36,8 +36,7 @@ Table MeasureAnswers(const Manifest& manifest, const SproutConfig& config,
                      const std::vector<std::string>& logs) {
   const Part answer = AnswerOf(*manifest.stage().rbegin());
   // What the stages took from the log, which may have recorded answers, too. LEFT is always read:
-  // its
-  // position in the log goes into the table, for pictures.
+  // its position in the log goes into the table, for pictures.
   PartSet input = {Part::kLeft};
   PartSet answered;
   for (const std::string& stage : manifest.stage()) {
