@@ -107,14 +107,14 @@ bool IsScaled(const RangeModel& model) {
           model.as_is.compared < scaled.compared / 2);
 }
 
-// Whether ranges are large where stereo is near: no factor explains that.
-bool IsInverse(const RangeModel& model) {
-  const Agreement& inverse = model.inverse;
-  return inverse.compared >= RangeVerdicts::kFewCompared &&
-         inverse.share() >= RangeVerdicts::kGood &&
-         inverse.share() - std::max(model.as_is.share(), model.scaled.share()) >=
+// Whether another reading of the ranges fits that no factor explains.
+bool IsMisread(const RangeModel& model) {
+  const Agreement& misread = model.misread;
+  return misread.compared >= RangeVerdicts::kFewCompared &&
+         misread.share() >= RangeVerdicts::kGood &&
+         misread.share() - std::max(model.as_is.share(), model.scaled.share()) >=
              RangeVerdicts::kScaledGain &&
-         inverse.agreeing >= model.turned.agreeing && inverse.close >= model.moved.close;
+         misread.agreeing >= model.turned.agreeing && misread.close >= model.moved.close;
 }
 
 // Variance of a share, with one more match of either kind, so that 0 and n of n are not certain.
@@ -163,7 +163,7 @@ bool IsSpread(const RangeModel& model) {
 
 // Whether the range image as a whole is what is wrong, so that its parts need no cure.
 bool IsExplained(const RangeModel& model) {
-  return IsScaled(model) || IsInverse(model) || IsTurned(model) || IsSpread(model) ||
+  return IsScaled(model) || IsMisread(model) || IsTurned(model) || IsSpread(model) ||
          IsElsewhere(model, model.shifted);
 }
 
@@ -285,12 +285,10 @@ std::string SpreadText(const cv::Point2d& spread) {
 Finding JudgeScale(const RangeModel& model, bool is_turned) {
   Finding finding{
       .question = Question::kScale, .value = model.ratio.value, .sigma = model.ratio.sigma};
-  if (IsInverse(model)) {
+  if (IsMisread(model)) {
     finding.verdict = Verdict::kBad;
-    finding.text = fmt::format(
-        "ranges are large where stereo is near (one over them agrees with it at {:.0f} % of the "
-        "matches): are they disparities, or inverse depths? give depths",
-        100 * model.inverse.share());
+    finding.text =
+        fmt::format(fmt::runtime(TextOf(model.misread.with.reading)), 100 * model.misread.share());
   } else if (IsScaled(model)) {
     const double factor = 1 / model.ratio.value;
     const double sigma = factor * model.ratio.sigma / model.ratio.value;

@@ -87,7 +87,7 @@ bool AreColumnsAside(const RangeModel& ranges) {
          std::abs(aside.with.columns_px) >= SideRules::kMinAsidePx &&
          aside.close_share() >= SideRules::kMinClose &&
          std::ranges::all_of(
-             std::array{&ranges.as_is, &ranges.scaled, &ranges.inverse, &ranges.turned,
+             std::array{&ranges.as_is, &ranges.scaled, &ranges.misread, &ranges.turned,
                         &ranges.moved, &ranges.shifted, &ranges.spread, &ranges.swapped},
              explains_more_than);
 }

@@ -103,13 +103,11 @@ class Comparison {
       return u_right >= 0 && u_right < pair.width;
     });
     PointGrid grid(std::move(points), pair.size());
-    Agreement result{.with = hypothesis,
-                     .in_picture = in_picture,
-                     .in_both = static_cast<int>(in_both),
-                     .votes = std::vector<Vote>(matches_.size(), Vote::kNone),
-                     .logs = {},
-                     .offs_px = {},
-                     .offsets_m = {}};
+    Agreement result;
+    result.with = hypothesis;
+    result.in_picture = in_picture;
+    result.in_both = static_cast<int>(in_both);
+    result.votes.assign(matches_.size(), Vote::kNone);
     for (size_t i = 0; i < matches_.size(); ++i) {
       const double stereo =
           matches_[i].disparity() + pair.cx_right - pair.cx + hypothesis.columns_px;
@@ -148,7 +146,7 @@ class Comparison {
       Eigen::Vector3d ray = projector_.ray(at.x, at.y);
       ray.x() *= hypothesis.spread.x;
       ray.y() *= hypothesis.spread.y;
-      const double depth = hypothesis.inverse ? 1 / pixel.depth : pixel.depth;
+      const double depth = DepthOf(hypothesis.reading, pixel.depth, ray);
       const Eigen::Vector3d point = rotation_ * (ray * (hypothesis.factor * depth)) + position;
       if (!(point.z() > 0)) continue;
       const double share = pair.focal_px / point.z();
@@ -239,15 +237,20 @@ double MedianDistance(std::span<const Match> matches, const RectifiedPair& pair)
 }
 
 // @param distance_m  about that of the scene.
-Agreement BestInverse(const Comparison& comparison, std::span<const RangePixel> pixels,
+Agreement BestMisread(const Comparison& comparison, std::span<const RangePixel> pixels,
                       double distance_m) {
   std::vector<double> values;
   for (const RangePixel& pixel : pixels) values.push_back(pixel.depth);
-  Hypothesis hypothesis{.factor = distance_m * Median(values), .inverse = true};
+  Hypothesis hypothesis{.factor = distance_m * Median(values), .reading = Reading::kInverse};
   for (int step = 0; step < 2; ++step) {
     hypothesis.factor *= BestFactor(comparison.Compare(pixels, hypothesis).logs);
   }
-  return comparison.Compare(pixels, hypothesis);
+  Agreement best = comparison.Compare(pixels, hypothesis);
+  for (const Reading reading : {Reading::kAlongRay, Reading::kOtherBytes}) {
+    Agreement misread = comparison.Compare(pixels, {.reading = reading});
+    if (misread.agreeing > best.agreeing) best = std::move(misread);
+  }
+  return best;
 }
 
 // @param transposed  whether turns by 90° are tried, too.
@@ -377,7 +380,7 @@ RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
   model.turned = BestTurned(comparison, Chosen(all, RangeRules::kMaxTurned), !is_good);
   if (!is_good) {
     model.scaled = BestScaled(comparison, pixels);
-    model.inverse = BestInverse(comparison, pixels, MedianDistance(matches, pair));
+    model.misread = BestMisread(comparison, pixels, MedianDistance(matches, pair));
     const std::vector<Match> swapped = Swapped(matches);
     model.swapped = Comparison(swapped, projector).Compare(pixels, {});
     model.aside = BestAside(comparison, pixels, pair.width);

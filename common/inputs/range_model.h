@@ -8,6 +8,7 @@
 #include "common/geometry/projection.h"
 #include "common/inputs/feature_matches.h"
 #include "common/inputs/pair_model.h"
+#include "common/inputs/reading.h"
 #include "common/inputs/repeated_range.h"
 
 namespace sprout::inputs {
@@ -41,8 +42,8 @@ enum class Vote : int8_t {
 
 /// What may have to be done to range points so that they agree with stereo.
 struct Hypothesis {
-  double factor = 1;             ///< of the ranges,
-  bool inverse = false;          ///< or of one over them: they are disparities, or inverse depths
+  double factor = 1;  ///< of the ranges,
+  Reading reading = Reading::kDepth;
   Turn turn = {};                ///< of the range image
   double ahead_m = 0;            ///< the points are moved ahead,
   cv::Point2d move_px = {0, 0};  ///< or in the picture,
@@ -83,7 +84,7 @@ struct RangeModel {
   RepeatedRange repeated;
   Agreement as_is;
   Agreement scaled;   ///< of other factors the best, if as_is is not good
-  Agreement inverse;  ///< the same of one over the ranges
+  Agreement misread;  ///< of other readings the best, if as_is is not good
   Agreement turned;   ///< of other turns the best; by 90° only if as_is is not good
   Agreement moved;    ///< of moves ahead the best, if as_is is not close
   Agreement shifted;  ///< the best move in the picture, if as_is is not close

@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "common/inputs/check_inputs.h"
 #include "tests/common/inputs/parts.h"
 
@@ -46,6 +48,33 @@ TEST(CheckInputs, NamesDisparitiesThatAreGivenAsRanges) {
       EXPECT_NE(parts.Answer(Question::kMoment).verdict, Verdict::kBad);
     }
   }
+}
+
+TEST(CheckInputs, NamesDistancesAlongTheRays) {
+  Parts parts = SceneOf();
+  TofCamera& tof = parts.rig.tof;
+  // The same disparities in a wider view.
+  parts.rig.pair.focal_px /= 2;
+  parts.rig.pair.baseline_m *= 2;
+  tof.fx /= 2;
+  tof.fy /= 2;
+  for (int y = 0; y < tof.height; ++y) {
+    for (int x = 0; x < tof.width; ++x) {
+      const double right = (x - tof.cx) / tof.fx, down = (y - tof.cy) / tof.fy;
+      parts.tof.depth_m(y, x) *= static_cast<float>(std::hypot(right, down, 1));
+    }
+  }
+  ExpectBad(parts, Question::kScale, "too long towards the sides");
+  EXPECT_NE(parts.Answer(Question::kMoment).verdict, Verdict::kBad);
+}
+
+TEST(CheckInputs, NamesRangesWhoseBytesAreInTheOtherOrder) {
+  Parts parts = SceneOf();
+  for (float& depth : parts.tof.depth_m) {
+    const int mm = cvRound(1000 * depth);
+    depth = static_cast<float>((mm & 255) << 8 | mm >> 8) / 1000;
+  }
+  ExpectBad(parts, Question::kScale, "bytes of the ranges are in the other order");
 }
 
 TEST(CheckInputs, NamesTheUnitOfRangesBeyondAllSensors) {
