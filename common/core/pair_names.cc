@@ -18,6 +18,9 @@ namespace {
 
 using Tokens = std::vector<std::string_view>;
 
+constexpr size_t kSecondDigits = 10;  // 2001 to 2286
+constexpr size_t kNanosecondDigits = 9;
+
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 bool IsLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
@@ -93,9 +96,15 @@ bool AreDifferent(Keys keys) {
   return std::ranges::adjacent_find(keys) == keys.end();
 }
 
+// Where fractions have up to nine digits they are nanoseconds, written without leading zeros.
 std::optional<std::vector<int64_t>> Stamps(const Keys& keys) {
+  constexpr size_t kFraction = kSecondDigits + 1;
+  size_t most = 0;
+  for (const std::string& key : keys) most = std::max(most, key.size());
   std::vector<int64_t> stamps;
-  for (const std::string& key : keys) {
+  for (std::string key : keys) {
+    const bool is_short = most == kFraction + kNanosecondDigits && key.size() > kFraction;
+    if (is_short && !IsDigit(key[kSecondDigits])) key.insert(kFraction, most - key.size(), '0');
     const std::optional<int64_t> stamp = StampOf(key);
     if (!stamp) return std::nullopt;
     stamps.push_back(*stamp);
@@ -106,19 +115,17 @@ std::optional<std::vector<int64_t>> Stamps(const Keys& keys) {
 // The part of each name from a number of seconds on, with its fraction. Names of one second begin
 // alike, so Differences() would take the seconds for what all names begin with.
 Keys TimesIn(const Keys& stems) {
-  constexpr size_t kSeconds = 10;
-  constexpr size_t kNanoseconds = 9;
   Keys keys;
   for (const std::string& stem : stems) {
     const Tokens tokens = Split(stem);
     std::string& key = keys.emplace_back();
     for (size_t i = 0; i < tokens.size() && key.empty(); ++i) {
-      if (!IsDigit(tokens[i].front()) || tokens[i].size() < kSeconds) continue;
-      const bool has_fraction = tokens[i].size() == kSeconds && i + 2 < tokens.size() &&
+      if (!IsDigit(tokens[i].front()) || tokens[i].size() < kSecondDigits) continue;
+      const bool has_fraction = tokens[i].size() == kSecondDigits && i + 2 < tokens.size() &&
                                 IsDigit(tokens[i + 2].front()) &&
-                                (tokens[i + 1] == "." || tokens[i + 2].size() == kNanoseconds);
+                                (tokens[i + 1] == "." || tokens[i + 2].size() == kNanosecondDigits);
       // Ten digits alone may be a serial number.
-      if (tokens[i].size() == kSeconds && !has_fraction) continue;
+      if (tokens[i].size() == kSecondDigits && !has_fraction) continue;
       key = tokens[i];
       if (!has_fraction) continue;
       key += tokens[i + 1];
@@ -153,17 +160,12 @@ std::vector<size_t> Order(const Values& values, Before before) {
   return order;
 }
 
-PairedNames ByTime(const std::vector<int64_t>& first, const std::vector<int64_t>& second,
-                   double max_spread_ms) {
+PairedNames ByTime(std::vector<int64_t> first, std::vector<int64_t> second, double max_spread_ms) {
   const std::vector<size_t> order_first = Order(first, std::less<>());
   const std::vector<size_t> order_second = Order(second, std::less<>());
-  const auto sorted = [](const std::vector<int64_t>& times, const std::vector<size_t>& order) {
-    std::vector<int64_t> in_order;
-    for (const size_t i : order) in_order.push_back(times[i]);
-    return in_order;
-  };
-  PairedNames paired =
-      PairTimes(sorted(first, order_first), sorted(second, order_second), max_spread_ms);
+  std::ranges::sort(first);
+  std::ranges::sort(second);
+  PairedNames paired = PairTimes(first, second, max_spread_ms);
   for (auto& [a, b] : paired.pairs) {
     a = order_first[a];
     b = order_second[b];
@@ -278,8 +280,6 @@ Result<PairedNames> ByOrder(std::span<const std::string> first, std::span<const 
 }  // namespace
 
 std::optional<int64_t> StampOf(std::string_view name) {
-  constexpr size_t kSecondDigits = 10;  // 2001 to 2286
-  constexpr size_t kNanosecondDigits = 9;
   constexpr size_t kGpsDigits = 18;  // nanoseconds, 1973 to 2001: Argoverse counts from GPS's begin
   const auto is_number = [](std::string_view text) {
     return !text.empty() && std::ranges::all_of(text, IsDigit);

@@ -37,7 +37,8 @@ struct PairedNames {
 
 /// Joins the files of two cameras, the same way wherever Sprout reads folders. By the times in
 /// their names where all have one (see StampOf()), also behind or before other words: each with the
-/// nearest of the other list, where this holds both ways. Otherwise by equal names: without the
+/// nearest of the other list, where this holds both ways; behind seconds up to nine digits of
+/// nanoseconds need no leading zeros. Otherwise by equal names: without the
 /// extension, or without what all names of a list begin and end with (left_7.png and right_007.png
 /// belong together, and x/im0.png and x/im1.png). Otherwise by the nearest number (of any unit, or
 /// dates), where that is for most less than a quarter of a step away. Otherwise by their order,

@@ -155,6 +155,17 @@ TEST(PairNames, LooksAtTheNamesOfOneFileEach) {
               ElementsAre(HasSubstr("differ by 100 ms")));
 }
 
+TEST(PairNames, TakesSecondsAndNanosecondsWithoutLeadingZeros) {
+  // As ROS's stamps are written by hand; each lost another frame.
+  for (const std::string point : {".", "_"}) {
+    const std::string before = "1403636579" + point, behind = "1403636580" + point;
+    const Names left = {before + "950005000.png", behind + "5000.png", behind + "50005000.png"};
+    const Names right = {behind + "7000.png", behind + "50007000.png", behind + "500007000.png"};
+    EXPECT_THAT(PairsOf(left, right),
+                ElementsAre(left[1] + '=' + right[0], left[2] + '=' + right[1]));
+  }
+}
+
 TEST(StampOf, KnowsSecondsToNanoseconds) {
   constexpr int64_t kSecond = 1'000'000'000;
   EXPECT_EQ(StampOf("1403636579"), 1403636579 * kSecond);
