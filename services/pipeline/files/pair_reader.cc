@@ -81,14 +81,16 @@ Result<RectifiedPair> PairReader::PairOf(const cv::Mat& left) {
 
 // A range image that shows just what the left image shows has pixels as wide as high.
 void PairReader::NoteOblong(cv::Size tof, cv::Size left) {
-  const double columns = static_cast<double>(tof.height) * left.width / left.height;
-  constexpr double kMaxShare = 0.05;  // of the columns; one column off is rounding
-  const bool is_square = std::abs(tof.width - columns) <= std::max(1.0, kMaxShare * columns);
+  const double columns_a_row = static_cast<double>(left.width) / left.height;
+  const double columns = tof.height * columns_a_row;
+  constexpr double kMaxShare = 0.01;  // the nearest whole number of columns or rows is square, too
+  const bool is_square =
+      std::abs(tof.width - columns) <= std::max({1.0, columns_a_row, kMaxShare * columns});
   if (noted_oblong_ || tof.empty() || is_square) return;
   noted_oblong_ = true;
   note_ = fmt::format(
       "pixels of range images of {} are {:.2f} times as wide as high over left images of {}: do "
-      "they show just what these show? If not: --tof-rig",
+      "they show just what these show (was one cropped)? If not: --tof-rig",
       SizeText(tof), columns / tof.width, SizeText(left));
 }
 
