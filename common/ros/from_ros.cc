@@ -320,6 +320,7 @@ Result<RosPose> FromRosTransform(const RosTransform& ros) {
 }
 
 Result<RosCamera> FromRosInfo(const RosCameraInfo& whole, bool is_rectified) {
+  constexpr double kMaxSkew = 1e-3;  // half a pixel over 500 rows
   const auto& roi = whole.roi;
   const RosCameraInfo ros = OfTheImage(whole);
   Checks checks;
@@ -330,6 +331,8 @@ Result<RosCamera> FromRosInfo(const RosCameraInfo& whole, bool is_rectified) {
       .Require(AllFinite(ros.p), "p", "not finite", "finite numbers")
       .Require(!is_rectified || ros.p[0] > 0, "p[0]", ros.p[0], kFocalLength)
       .Require(!is_rectified || ros.p[5] > 0, "p[5]", ros.p[5], kFocalLength)
+      .Require(!is_rectified || std::abs(ros.p[1]) <= kMaxSkew * ros.p[0], "p[1]", ros.p[1],
+               "0: P of rectified images is no camera matrix times a rotation")
       .Require(IsWithin(roi.width, roi.x_offset, whole.width), "roi.x_offset", roi.x_offset,
                fmt::format("a part of the {} columns", whole.width))
       .Require(IsWithin(roi.height, roi.y_offset, whole.height), "roi.y_offset", roi.y_offset,

@@ -115,6 +115,9 @@ TEST(FromRos, NamesTheFieldThatIsWrong) {
   info->p[5] = 0;
   EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("p[5] = 0: allowed is a focal length > 0"));
   info = ToRosLeftInfo(Place(), examples::Rig().pair);
+  info->p[1] = 52.4;  // OAK: the camera matrix times R
+  EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("p[1] = 52.4: allowed is 0"));
+  info = ToRosLeftInfo(Place(), examples::Rig().pair);
   info->roi.y_offset = 20;
   info->roi.height = info->height;
   EXPECT_THAT(ErrorOf(FromRosInfo(*info)), HasSubstr("roi.y_offset = 20: allowed is a part of"));
