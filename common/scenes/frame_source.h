@@ -41,8 +41,8 @@ struct CapturedFrame {
 struct LostFrames {
   int64_t count = 0;
   std::string trouble = {};  ///< reason of the newest
-  /// At the end: whether there is a range sensor of which no image ever joined a pair, or most
-  /// images of left and right in a recording became no frame.
+  /// At the end: whether there is a range sensor of which no image ever joined a pair, or of a
+  /// recording most images of left and right became no frame, or its last ones fit no calibration.
   bool lacks_most = false;
 };
 

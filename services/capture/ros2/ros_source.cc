@@ -1,5 +1,7 @@
 #include "services/capture/ros2/ros_source.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <chrono>
 #include <optional>
@@ -123,7 +125,13 @@ class RosFrames : public RawSource {
     return std::nullopt;
   }
 
-  scenes::LostFrames lost_at_end() const override { return triplets_.TakeLost(); }
+  scenes::LostFrames lost_at_end() const override {
+    scenes::LostFrames lost = triplets_.TakeLost();
+    if (misfits_ < 2) return lost;
+    lost.lacks_most = true;
+    lost.trouble = fmt::format("the last {} pairs fit no calibration: {}", misfits_, misfit_);
+    return lost;
+  }
 
  private:
   void Take(const RosBytes& message) {
@@ -171,6 +179,8 @@ class RosFrames : public RawSource {
         trouble = "images of " + SizeText(frame->left.size()) + ": the calibration changed to " +
                   SizeText(*rig_size_);
       }
+      misfits_ = trouble.empty() ? 0 : misfits_ + 1;
+      misfit_ = trouble;
       if (trouble.empty()) {
         frame->new_rig = std::exchange(new_rig_, std::nullopt);
         return frame;
@@ -195,6 +205,8 @@ class RosFrames : public RawSource {
   std::string other_frame_;       // newest warning of OtherFrame()
   bool is_at_end_ = false;
   bool gave_any_ = false;
+  int misfits_ = 0;     // frames in a row
+  std::string misfit_;  // why the last one was
 };
 
 class RosSource : public scenes::FrameSource {

@@ -81,6 +81,27 @@ TEST(RosSource, FramesWithoutACalibrationAreLost) {
   EXPECT_THAT(told.refused, ElementsAre(HasSubstr("/left/camera_info")));
 }
 
+TEST(RosSource, SaysAtTheEndThatTheCalibrationOfOneSideChanged) {
+  const Rig rig = examples::Rig();
+  for (const int changed : {2, 3}) {  // of four: of the last frame alone the other may still come
+    RosRecording file(rig);
+    for (int i = 0; i < 4; ++i) {
+      const int64_t utime = kStart + 100'000 * i;
+      RosMessage<RosCameraInfo> info = ToRosRightInfo({utime, RosFrames().right}, rig.pair);
+      if (i >= changed) info->p[0] = info->p[5] = 1.01 * info->p[0];
+      file.Add("/right/camera_info", info);
+      file.AddPair(utime, Grey(i));
+    }
+    const auto source = OpenRosSource(file.Source(), Told().Options());
+    EXPECT_EQ(All(*source).size(), static_cast<size_t>(changed));
+    EXPECT_EQ(source->lost_at_end().lacks_most, changed == 2);
+    if (changed == 2) {
+      EXPECT_THAT(source->lost_at_end().trouble,
+                  HasSubstr("the last 2 pairs fit no calibration: right p[0] = "));
+    }
+  }
+}
+
 TEST(RosSource, RefusesAnImageOfAnotherSizeAndGoesOn) {
   RosRecording file(examples::Rig());
   for (int i = 0; i < 3; ++i) {
