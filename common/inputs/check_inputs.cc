@@ -24,9 +24,9 @@ Findings NoneCanTell(const std::string& why) {
 }
 
 // How many times as far from the corner the principal point lies as the middle of the images, if
-// that is far in both directions alike, as in images that were resized; else 1. Where cy is the
-// middle to the last digit nobody has said it: then cx alone counts, from farther on, as images may
-// be cropped.
+// that is far in both directions alike, as in images that were resized, or outside of them in both;
+// else 1. Where cy is the middle to the last digit nobody has said it: then cx alone counts, from
+// farther on, as images may be cropped.
 // @param camera  a RectifiedPair or a TofCamera.
 template <typename Camera>
 double TimesMiddle(const Camera& camera) {
@@ -37,7 +37,8 @@ double TimesMiddle(const Camera& camera) {
   const double down = (2 * camera.cy + 1) / camera.height;
   const double rows = down == 1 ? columns : down;
   const auto is_beyond = [](double ratio, double most) { return ratio > most || ratio < 1 / most; };
-  if (!(columns > 0 && rows > 0) || is_beyond(columns / rows, kAlike)) return 1;
+  const bool is_outside = columns > 2 && rows > 2;
+  if (!(columns > 0 && rows > 0) || (!is_outside && is_beyond(columns / rows, kAlike))) return 1;
   const double times = std::sqrt(columns * rows);
   return is_beyond(times, down == 1 ? kFarCrop : kResized) ? times : 1;
 }
@@ -49,7 +50,7 @@ std::string UnlikelyCalibration(const RectifiedPair& pair) {
   if (pair.baseline_m > kMaxBaselineM) {
     return fmt::format(
         "the cameras are {:.4g} m apart, and no range shows that it is so: is the "
-        "calibration in mm? it has to be in m",
+        "calibration in mm or cm? it has to be in m",
         pair.baseline_m);
   }
   if (pair.baseline_m < kMinBaselineM) {

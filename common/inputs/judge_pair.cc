@@ -145,7 +145,7 @@ Finding JudgeRows(const PairModel& model, int width) {
             fmt::format(
                 "the right image shows things {:+.2f} ± {:.2f} % larger, so columns at its sides "
                 "are off by {:.1f} px ({} are allowed): give both images one focal length and "
-                "size, or rectify the pair",
+                "size, or rectify the pair; or is it of another moment, and the rig drives?",
                 100 * model.stretch.value, 100 * model.stretch.sigma, columns_px->value,
                 PairRules::kMaxRowsPx));
   } else if (are_off) {

@@ -344,7 +344,7 @@ Finding JudgeMoment(const RangeModel& model, bool is_explained) {
     finding.verdict = Verdict::kBad;
     finding.text = fmt::format(
         "ranges and images disagree at {:.0f} ± {:.0f} % of the points: is the range image of "
-        "another moment or another sensor, or beyond its unambiguous range "
+        "another moment or another sensor, scaled to be looked at, or beyond its unambiguous range "
         "(refine.unambiguous_range_m)?",
         finding.value, finding.sigma);
   } else if (share >= RangeVerdicts::kOfOneMoment) {

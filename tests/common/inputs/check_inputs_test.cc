@@ -144,6 +144,13 @@ TEST(CheckInputs, SeesACalibrationOfImagesOfAnotherSize) {
     pair.cy = 239;  // a crop may be anywhere
     EXPECT_EQ(parts.Answer(Question::kScale).verdict, Verdict::kCannotTell) << times;
   }
+  // Of images four times as large, in which it is not in the middle.
+  Parts quarter = SceneOf();
+  quarter.tof = {};
+  quarter.rig.pair.cx += 900;
+  quarter.rig.pair.cx_right += 900;
+  quarter.rig.pair.cy += 480;
+  ExpectBad(quarter, Question::kScale, "another size");
   // Of a command line with --cx and without --cy.
   for (const double times : {0.5, 1.4, 2.0}) {
     Parts parts = SceneOf();
