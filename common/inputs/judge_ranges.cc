@@ -196,6 +196,9 @@ std::string FaultOf(const RangeModel& model) {
         "what the sensor says where it measures nothing? give 0 there",
         model.repeated.count, model.repeated.depth_m);
   }
+  if (model.repeated.are_whole_m) {
+    return "all ranges are whole metres: were decimals cut off? give mm, or floating point";
+  }
   const double apart = Share(model.apart, model.pairs);
   const double least_pairs = RangeVerdicts::kPairsOfReturns * model.returns;
   if (model.pairs >= std::max<double>(RangeVerdicts::kFewPairs, least_pairs) &&

@@ -205,8 +205,8 @@ double ModeOf(std::vector<double> offs_px) {
 Agreement BestAside(const Comparison& comparison, std::span<const RangePixel> pixels, int width) {
   const double beyond_all = width;  // of disparities below 1 px none is compared
   const Agreement all = comparison.Compare(pixels, {.columns_px = beyond_all});
-  if (all.compared == 0) return {};
-  return comparison.Compare(pixels, {.columns_px = beyond_all + ModeOf(all.offs_px)});
+  const double aside = all.compared == 0 ? width : beyond_all + ModeOf(all.offs_px);
+  return std::abs(aside) < width ? comparison.Compare(pixels, {.columns_px = aside}) : Agreement{};
 }
 
 // The best factor. In another unit points lie at other places in the picture, so it takes two

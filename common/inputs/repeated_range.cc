@@ -1,6 +1,7 @@
 #include "common/inputs/repeated_range.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace sprout::inputs {
@@ -71,6 +72,18 @@ int RowsOf(const cv::Mat1f& depth_m, float depth) {
   return rows;
 }
 
+bool AreWholeM(const std::vector<Run>& runs) {
+  constexpr size_t kFewestValues = 8;
+  constexpr float kNearM = 30;  // there 1 m is 3 %
+  int near = 0;
+  int far = 0;
+  for (const Run& run : runs) {
+    if (run.depth_m != std::round(run.depth_m)) return false;
+    (run.depth_m < kNearM ? near : far) += run.count;
+  }
+  return runs.size() >= kFewestValues && near > far;
+}
+
 }  // namespace
 
 bool RepeatedRange::MeansNothing() const {
@@ -86,7 +99,8 @@ RepeatedRange FindRepeatedRange(const TofImage& tof) {
   const auto most = is_beyond ? last : std::ranges::max_element(runs, {}, &Run::count);
   const RepeatedRange found{.depth_m = most->depth_m,
                             .is_beyond = is_beyond,
-                            .count = cv::countNonZero(tof.depth_m == most->depth_m)};
+                            .count = cv::countNonZero(tof.depth_m == most->depth_m),
+                            .are_whole_m = AreWholeM(runs)};
   int returns = 0;
   for (const float depth : tof.depth_m) returns += IsReturn(depth) ? 1 : 0;
   const double fewest = std::max<double>(
@@ -96,7 +110,7 @@ RepeatedRange FindRepeatedRange(const TofImage& tof) {
                            found.count <= RepeatedRules::kMaxShare * returns &&
                            (is_beyond || most->count >= RepeatedRules::kTimesBeside * beside) &&
                            RowsOf(tof.depth_m, found.depth_m) >= RepeatedRules::kRows;
-  return is_repeated ? found : RepeatedRange{};
+  return is_repeated ? found : RepeatedRange{.are_whole_m = found.are_whole_m};
 }
 
 }  // namespace sprout::inputs

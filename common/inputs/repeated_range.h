@@ -13,6 +13,8 @@ struct RepeatedRange {
   int count = 0;           ///< pixels that have it
   int compared = 0;        ///< matches among their points in the picture
   int agreeing = 0;        ///< of them, with their disparity
+  /// Whether all ranges are whole metres, though they are near: what is left without decimals.
+  bool are_whole_m = false;
 
   /// Whether stereo does not see a wall there.
   bool MeansNothing() const;

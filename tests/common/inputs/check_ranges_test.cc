@@ -77,6 +77,23 @@ TEST(CheckInputs, NamesRangesWhoseBytesAreInTheOtherOrder) {
   ExpectBad(parts, Question::kScale, "bytes of the ranges are in the other order");
 }
 
+TEST(CheckInputs, NamesRangesWithoutDecimals) {
+  // The scene with everything five times as far.
+  Parts parts = SceneOf();
+  parts.rig.pair.baseline_m *= 5;
+  parts.tof.depth_m *= 5;
+  EXPECT_EQ(parts.Answer(Question::kHits).verdict, Verdict::kGood);
+  for (float& depth : parts.tof.depth_m) depth = std::round(depth);
+  ExpectBad(parts, Question::kHits, "whole metres");
+}
+
+TEST(CheckInputs, SaysOfWholeMetresThatAreReadAsMillimetresOnlyThatTheyAreTooNear) {
+  Parts parts = SceneOf();
+  for (float& depth : parts.tof.depth_m) depth = std::min(2.F, std::round(depth)) / 1000;
+  EXPECT_NE(parts.Answer(Question::kSides).verdict, Verdict::kBad);
+  ExpectBad(parts, Question::kHits, "in which unit are ranges");
+}
+
 TEST(CheckInputs, NamesTheUnitOfRangesBeyondAllSensors) {
   Parts parts = Scaled(1e5);
   EXPECT_THAT(parts.Answer(Question::kHits).text, HasSubstr("beyond 10000 m"));
