@@ -242,7 +242,9 @@ std::vector<std::string> FindLogs(const std::vector<std::string>& inputs) {
   std::set<std::string> seen;
   for (const std::string& log : all.logs()) {
     RequirePlainText("log", log);  // it goes into the manifest
-    if (seen.insert(log).second) logs.push_back(log);
+    std::error_code gone;
+    const fs::path file = fs::canonical(log, gone);  // also of a link to it
+    if (seen.insert(gone ? log : file.string()).second) logs.push_back(log);
   }
   return logs;
 }

@@ -173,6 +173,8 @@ TEST(FindLogs, RefusesWhatIsNotThere) {
   EXPECT_THROW(FindLogs({folder / ""}), ConfigError);  // a folder without logs
   std::ofstream(folder / "a.lcm") << "x";
   EXPECT_THAT(FindLogs({folder / "", folder / "a.lcm"}), SizeIs(1));
+  std::filesystem::create_symlink("a.lcm", folder / "latest.lcm");
+  EXPECT_THAT(FindLogs({folder / "a.lcm", folder / "latest.lcm"}), SizeIs(1));
 }
 
 }  // namespace
