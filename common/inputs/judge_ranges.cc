@@ -225,7 +225,7 @@ std::string FaultOf(const RangeModel& model) {
                        model.values, kMaxTofDepthM);
   }
   return fmt::format(
-      "none of the {} pixels of the range image has a return: is the range "
+      "none of the {} pixels of the range image has a return, a depth above 0: is the range "
       "sensor running, and does it look where the cameras do?",
       model.pixels);
 }
