@@ -171,6 +171,7 @@ constexpr OtherProgram kOthers[] = {
     {"\"intrinsic_matrix\"", "the intrinsics of one camera, of Open3D", kCure},
     {"\"CameraParameters1\"", "a stereoParameters of Matlab", kCure},
     {"Camera1.fx", "the settings of ORB-SLAM3", kCure},
+    {"cam0_calib:", "the settings of VINS, whose cameras have files of their own", kCure},
     {"projection_parameters:", "a camera of VINS or camodocal", kCure},
     {"fc_left", "a calibration of Bouguet's toolbox", kCure},
     {"CAMERA_ID, MODEL", "COLMAP's cameras, which do not say how a pair stands", kCure},

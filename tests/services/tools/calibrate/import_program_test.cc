@@ -122,6 +122,7 @@ TEST_F(ImportProgram, NamesTheProgramWhoseFilesAreNotRead) {
       {"{\"fx\": 1, \"ppx\": 2}", "a RealSense; the images of its SDK are rectified"},
       {"#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n1 OPENCV 752 480 458\n",
        "COLMAP's cameras, which do not say how a pair stands; allowed are OpenCV's"},
+      {"%YAML:1.0\nimu: 1\ncam0_calib: \"cam0.yaml\"\n", "the settings of VINS, whose cameras"},
       {"# oST version 5.0 parameters\n", "ROS's ost.txt; left.yaml and right.yaml of the same"},
       {"cam0=[4000 0 1; 0 4000 2; 0 0 1]\n", "sprout-pipeline files --calib reads it"}};
   for (const auto& [text, answer] : kCases) {
