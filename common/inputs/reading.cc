@@ -11,7 +11,7 @@ double DepthOf(Reading reading, float number, const Eigen::Vector3d& ray) {
     case Reading::kAlongRay:
       return number / ray.norm();
     case Reading::kOtherBytes: {
-      const long mm = std::lround(std::fmod(1000.0 * number, 65536));
+      const auto mm = std::lround(std::fmod(1000.0 * number, 65536));
       return static_cast<double>((mm & 255) << 8 | mm >> 8) / 1000;
     }
     case Reading::kDepth:
