@@ -73,7 +73,7 @@ int RowsOf(const cv::Mat1f& depth_m, float depth) {
 }
 
 bool AreWholeM(const std::vector<Run>& runs) {
-  constexpr size_t kFewestValues = 8;
+  constexpr size_t kMinValues = 8;
   constexpr float kNearM = 30;  // there 1 m is 3 %
   int near = 0;
   int far = 0;
@@ -81,7 +81,7 @@ bool AreWholeM(const std::vector<Run>& runs) {
     if (run.depth_m != std::round(run.depth_m)) return false;
     (run.depth_m < kNearM ? near : far) += run.count;
   }
-  return runs.size() >= kFewestValues && near > far;
+  return runs.size() >= kMinValues && near > far;
 }
 
 }  // namespace
