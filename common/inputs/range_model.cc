@@ -214,8 +214,7 @@ Agreement BestAside(const Comparison& comparison, std::span<const RangePixel> pi
 Agreement BestScaled(const Comparison& comparison, std::span<const RangePixel> pixels) {
   Agreement best;
   // Ranges in mm taken for m, and the other way round, may fall nowhere near the matches.
-  for (const double start : {1.0, 1e3, 1e-3}) {
-    double factor = start;
+  for (double factor : {1.0, 1e3, 1e-3}) {
     for (int step = 0; step < 2; ++step) {
       factor *= BestFactor(comparison.Compare(pixels, {.factor = factor}).logs);
     }
@@ -229,9 +228,8 @@ double MedianDistance(std::span<const Match> matches, const RectifiedPair& pair)
   std::vector<double> distances;
   for (const Match& match : matches) {
     const double disparity = match.disparity() + pair.cx_right - pair.cx;
-    if (disparity >= RangeRules::kMinDisparityPx) {
-      distances.push_back(pair.focal_px * pair.baseline_m / disparity);
-    }
+    if (disparity < RangeRules::kMinDisparityPx) continue;
+    distances.push_back(pair.focal_px * pair.baseline_m / disparity);
   }
   return distances.empty() ? 0 : Median(distances);
 }
