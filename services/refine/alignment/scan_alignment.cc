@@ -168,7 +168,7 @@ double ScanAligner::GainInSigmas(const std::vector<float>& before,
 
 // How much less the nodes cost without an error of the ranges that all share.
 double ScanAligner::CurveGain(const RangeInput& input) {
-  curve_.Estimate(nodes_, input.rig.pair, /*stiff=*/false);
+  curve_.Estimate(nodes_, input.rig.pair, /*stiff=*/true);
   double gain = 0;
   for (size_t i = 0; i < nodes_.size(); ++i) {
     const double offset_px = curve_.OffsetPx(input.rig.pair, nodes_[i].disparity);

@@ -250,7 +250,7 @@ RangeBias::PointError RangeBias::ErrorOf(const TofSurface& surface,
 // Estimates the error that all points share; it has no knots if few nodes show anything.
 void RangeBias::FindCurve(const RangeInput& input, double error_m) {
   const RectifiedPair& pair = input.rig.pair;
-  curve_.Estimate(nodes_.nodes(), pair, /*stiff=*/input.coarse);
+  curve_.Estimate(nodes_.nodes(), pair, /*stiff=*/input.coarse || !input.surface.has_pixels());
   curve_.BoundSigmas(error_m);
   error_.curve_is_zero = curve_.is_zero();
   for (const RangeKnot& knot : curve_.knots()) {

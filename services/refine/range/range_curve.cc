@@ -23,7 +23,7 @@ double OffsetOfError(const RectifiedPair& pair, double depth_m, double error_m) 
 }
 
 double VoteAt(const RangeNode& node, double offset_px) {
-  return std::min(CostAt(node.costs, offset_px), double{RangeRules::kMaxCost});
+  return std::min(CostAt(node.costs, offset_px), double{node.max_vote});
 }
 
 // Sums of votes, by blocks of the range image.
@@ -68,9 +68,7 @@ struct RangeCurve::Bin {
   std::span<const Voter> voters;
   double depth_m = 0;
   double px_per_m = 0;
-  double scale = 0;   // of the votes, so that a knot with little texture says little
-  double weight = 0;  // of the votes, 1 in the mean of all knots
-  Votes votes{};
+  Votes votes{};      // the mean of all voters
 };
 
 // λ₀, λ₁, λ₂ of eq. (R5).
@@ -78,19 +76,22 @@ struct RangeCurve::Penalties {
   double moved = RangeRules::kCurveMoved;
   double per_px = RangeRules::kCurvePerPx;
   double step = RangeRules::kCurveStep;
-  bool by_weight = false;  // λ₀ and λ₁ of a knot, as its votes
+  // λ₂ counts in full between knots that are no farther apart.
+  double full_gap_m = std::numeric_limits<double>::infinity();
 };
 
 void RangeCurve::Vote(std::span<const RangeNode> nodes, const RectifiedPair& pair, Bin& bin) const {
+  double weight = 0;
   for (const Voter& voter : bin.voters) {
     bin.depth_m += voter.depth_m / static_cast<double>(bin.voters.size());
-    bin.weight += voter.weight * bin.scale;
     const RangeNode& node = nodes[voter.node];
+    weight += node.distinctness;
     for (int k = 0; k < kCandidates; ++k) {
       const double off = OffsetOfError(pair, voter.depth_m, (k - kNoError) * step_m_);
-      bin.votes[static_cast<size_t>(k)] += voter.weight * VoteAt(node, off) * bin.scale;
+      bin.votes[static_cast<size_t>(k)] += node.distinctness * VoteAt(node, off);
     }
   }
+  for (double& vote : bin.votes) vote /= weight;
   bin.px_per_m = pair.focal_px * pair.baseline_m / (bin.depth_m * bin.depth_m);
 }
 
@@ -100,19 +101,21 @@ void RangeCurve::FindPath(std::span<const Bin> bins, const Penalties& penalties)
   std::vector<Votes> costs(count);
   for (size_t b = 0; b < count; ++b) {
     costs[b] = bins[b].votes;
-    const double share = penalties.by_weight ? bins[b].weight : 1;
     for (int k = 0; k < kCandidates; ++k) {
       const double off_px = std::abs(k - kNoError) * step_m_ * bins[b].px_per_m;
       costs[b][static_cast<size_t>(k)] +=
-          share * ((k == kNoError ? 0 : penalties.moved) + penalties.per_px * off_px);
+          (k == kNoError ? 0 : penalties.moved) + penalties.per_px * off_px;
     }
   }
   std::vector<Votes> sums(count);
   std::vector<std::array<int, kCandidates>> from(count);
   sums[0] = costs[0];
   // The penalty of a metre, everywhere as high as where a metre shows most.
-  const double penalty = penalties.step * step_m_ * bins[0].px_per_m;
+  const double near_penalty = penalties.step * step_m_ * bins[0].px_per_m;
   for (size_t b = 1; b < count; ++b) {
+    const double gap_m = bins[b].depth_m - bins[b - 1].depth_m;
+    const double penalty =
+        near_penalty * std::clamp(penalties.full_gap_m / gap_m, RangeRules::kLeastStep, 1.0);
     for (int k = 0; k < kCandidates; ++k) {
       double best = std::numeric_limits<double>::infinity();
       for (int j = 0; j < kCandidates; ++j) {
@@ -197,26 +200,7 @@ void RangeCurve::TryScale(std::span<const RangeNode> nodes, const RectifiedPair&
   for (RangeKnot& knot : knots_) knot.error_m = scaled(knot.depth_m);
 }
 
-// A knot with next to no texture is drawn to 0 by its penalties; if they weigh as little as its
-// votes, it follows its neighbours. The images do not show which is right, so the nearer a knot is
-// to one that has texture, where both are the same, the more it follows.
-void RangeCurve::FollowNeighbours(std::span<const Bin> bins) {
-  const std::vector<RangeKnot> drawn = knots_;
-  FindPath(bins, {.by_weight = true});
-  const std::vector<RangeKnot> following = knots_;
-  for (size_t b = 0; b < knots_.size(); ++b) {
-    double gap_m = std::numeric_limits<double>::infinity();
-    for (size_t k = 0; k < knots_.size(); ++k) {
-      if (std::abs(following[k].error_m - drawn[k].error_m) > step_m_ / 2) continue;
-      gap_m = std::min(gap_m, std::abs(drawn[k].depth_m - drawn[b].depth_m));
-    }
-    const double share = std::max(0.0, 1 - gap_m / RangeRules::kAlikeOverM);
-    knots_[b].error_m = std::lerp(drawn[b].error_m, following[b].error_m, share);
-  }
-}
-
-// By how many standard deviations the nodes prefer the errors (m) at their depths to others. With
-// the weights of the votes, few nodes would decide.
+// By how many standard deviations the nodes prefer the errors (m) at their depths to others.
 template <typename ErrorAt, typename OtherAt>
 double RangeCurve::GainInSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair,
                                 const ErrorAt& error_at, const OtherAt& other_at) const {
@@ -262,7 +246,7 @@ void RangeCurve::SetSigmas(std::span<const RangeNode> nodes, const RectifiedPair
     for (const Voter& voter : bins[b].voters) {
       const RangeNode& node = nodes[voter.node];
       const auto vote = [&](double error_m) {
-        return voter.weight * VoteAt(node, OffsetOfError(pair, voter.depth_m, error_m));
+        return node.distinctness * VoteAt(node, OffsetOfError(pair, voter.depth_m, error_m));
       };
       const double more = vote(knot.error_m + half_m);
       const double less = vote(knot.error_m - half_m);
@@ -278,18 +262,13 @@ void RangeCurve::Estimate(std::span<const RangeNode> nodes, const RectifiedPair&
   knots_.clear();
   voters_.clear();
   is_zero_ = true;
-  double total = 0;
   blocks_ = {};
   for (size_t i = 0; i < nodes.size(); ++i) {
     const cv::Point block = BlockSums::BlockOf(nodes[i]);
     blocks_ = {std::max(blocks_.width, block.x + 1), std::max(blocks_.height, block.y + 1)};
     const double depth_m = pair.DepthFromDisparity(nodes[i].disparity);
-    const double distinct = nodes[i].distinctness;
-    if (!(depth_m > 0 && std::isfinite(depth_m)) || distinct <= RangeRules::kMinDistinct) continue;
-    // Of what shows nothing the minimum is 0.1 to 0.2 deep by chance; there are many such nodes.
-    const double weight = distinct * distinct * distinct;
-    voters_.push_back({depth_m, weight, i});
-    total += weight;
+    if (!(depth_m > 0 && std::isfinite(depth_m))) continue;
+    if (nodes[i].distinctness > RangeRules::kMinDistinct) voters_.push_back({depth_m, i});
   }
   if (voters_.size() < RangeRules::kMinNodes) return;
   std::sort(voters_.begin(), voters_.end(), [](const Voter& a, const Voter& b) {
@@ -305,17 +284,18 @@ void RangeCurve::Estimate(std::span<const RangeNode> nodes, const RectifiedPair&
     const size_t begin = voters_.size() * b / count;
     const size_t end = voters_.size() * (b + 1) / count;
     bins[b].voters = std::span<const Voter>(voters_).subspan(begin, end - begin);
-    bins[b].scale = static_cast<double>(count) / total;
     Vote(nodes, pair, bins[b]);
   });
-  FindPath(bins, {});
+  const double full_gap_m =
+      stiff ? std::numeric_limits<double>::infinity() : RangeRules::kNearKnotsM;
+  FindPath(bins, {.full_gap_m = full_gap_m});
   is_zero_ = GainInSigmas(nodes, pair) < RangeRules::kSureSigmas;
   if (is_zero_) {
     for (RangeKnot& knot : knots_) knot.error_m = 0;
   } else if (stiff) {
     Stiffen(nodes, pair, bins);
   } else {
-    FollowNeighbours(bins);
+    FindPath(bins, {.moved = 0, .per_px = 0, .full_gap_m = full_gap_m});
   }
   SetSigmas(nodes, pair, bins);
 }

@@ -47,7 +47,6 @@ class RangeCurve {
  private:
   struct Voter {
     double depth_m = 0;
-    double weight = 0;
     size_t node = 0;
   };
   struct Bin;
@@ -59,7 +58,6 @@ class RangeCurve {
                std::span<const Bin> bins);
   double BestFactor(std::span<const RangeNode> nodes, const RectifiedPair& pair, int power) const;
   void TryScale(std::span<const RangeNode> nodes, const RectifiedPair& pair);
-  void FollowNeighbours(std::span<const Bin> bins);
   double GainInSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair) const;
   template <typename ErrorAt, typename OtherAt>
   double GainInSigmas(std::span<const RangeNode> nodes, const RectifiedPair& pair,

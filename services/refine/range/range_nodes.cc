@@ -87,11 +87,17 @@ void RangeNodes::Compare(const cv::Mat1b& left, const cv::Mat1b& right) {
   variances.reserve(nodes_.size());
   for (const RangeNode& node : nodes_) variances.push_back(static_cast<float>(node.noise));
   noise_ = std::max(noise_, double{Quantile(variances, RangeRules::kNoiseQuantile)});
-  ForEachParallel(nodes_.size(), [&](size_t i) {
-    RangeNode& node = nodes_[i];
-    node.costs = CostsOf(node.moments, noise_);
-    node.distinctness = DistinctnessOf(node.costs);
-  });
+  ForEachParallel(nodes_.size(), [&](size_t i) { SetCosts(nodes_[i]); });
+}
+
+// A vote's tail begins at the same part of the likeness that the node's texture allows: with little
+// texture windows that belong together are hardly alike, yet in many nodes it shows.
+void RangeNodes::SetCosts(RangeNode& node) const {
+  node.costs = CostsOf(node.moments, noise_);
+  node.distinctness = DistinctnessOf(node.costs);
+  const auto noise = static_cast<float>(RangeRules::kUnlikeVariance + noise_);
+  const float signal = std::max(0.0F, node.moments.left_variance - noise);
+  node.max_vote = 1 - (1 - RangeRules::kMaxCost) * signal / (signal + noise);
 }
 
 void RangeNodes::View::Set(const RectifiedPair& pair, const TofSurface& surface,
@@ -202,8 +208,7 @@ void RangeNodes::Move(const RangeInput& input, std::span<const double> offsets_p
                              node.slope + SlopeOf(i, offsets_px)};
     // What leaves the images shows nothing.
     node.moments = MomentsOf(input.left, input.right, patch).value_or(OffsetMoments{});
-    node.costs = CostsOf(node.moments, noise_);
-    node.distinctness = DistinctnessOf(node.costs);
+    SetCosts(node);
   });
 }
 

@@ -35,6 +35,7 @@ struct RangeNode {
   OffsetMoments moments;
   OffsetCosts costs{};
   float distinctness = 0;  ///< of the costs
+  float max_vote = 1;      ///< what a higher cost counts as for the curve
 
   double DisparityAt(const cv::Point2d& x) const {
     return disparity + slope.x * (x.x - at.x) + slope.y * (x.y - at.y);
@@ -110,6 +111,7 @@ class RangeNodes {
 
   void Offer(const RangeInput& input, const ProjectedPoint& point, size_t index);
   void Compare(const cv::Mat1b& left, const cv::Mat1b& right);
+  void SetCosts(RangeNode& node) const;
 
   // The nodes of the 3×3 cells around one that share its surface: `count` of them, and a bit each.
   struct Links {

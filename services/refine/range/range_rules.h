@@ -40,10 +40,15 @@ struct RangeRules {
   static constexpr size_t kNodesPerKnot = 60;
   static constexpr size_t kMaxKnots = 10;
   static constexpr float kMinDistinct = 0.05F;  ///< of a node that votes
-  static constexpr float kMaxCost = 0.8F;       ///< of a vote
+  static constexpr float kMaxCost = 0.8F;       ///< of a vote of a node without noise
   static constexpr double kCurveMoved = 0.02;   ///< penalty of an error that is not 0
   static constexpr double kCurvePerPx = 0.002;  ///< penalty of a px of it
   static constexpr double kCurveStep = 0.03;    ///< penalty of a px of change at the nearest knot
+  /// Knots that are farther apart, m of depth, may differ more: a wiggle of 10 mm with four periods
+  /// in 7.5 m changes by 1.2 mm over this gap. The penalty falls in proportion, to this part of it:
+  /// then the noise of a wall without texture moves its knot by some 15 mm at most.
+  static constexpr double kNearKnotsM = 0.05;
+  static constexpr double kLeastStep = 0.25;
   /// The same once a lidar is known to be off, and by how many standard deviations less than the
   /// bent curve the stiff one may gain. Right scans, and those turned by 0.2 degrees, lose nothing
   /// by it; with 0.5 a turned one of 19 does; a penalty three times as high, not four: ranges of
@@ -57,11 +62,8 @@ struct RangeRules {
   static constexpr double kFactorStep = 0.005;
   static constexpr double kMaxFactor = 0.3;  ///< more than kMaxDepthShare, to know what is beyond
   static constexpr double kOtherSigmas = 2.5;
-  /// How far from a knot that has texture, m of depth, one that has not still follows it a little.
-  /// With 0 a white wall keeps an error of 20 mm that all else shows; with a very large value it
-  /// gets one that it does not have (NOTES.md). Two depths so far apart may also differ by about
-  /// the whole error of a device: a sine of four periods in 7.5 m differs r.m.s. by its amplitude
-  /// over 1.88 m / (1.41 π) = 0.42 m.
+  /// Two depths so far apart, m, may differ by about the whole error of a device: a sine of four
+  /// periods in 7.5 m differs r.m.s. by its amplitude over 1.88 m / (1.41 π) = 0.42 m.
   static constexpr double kAlikeOverM = 0.4;
   /// The curve must gain as many standard deviations, by blocks of so many cells squared, within
   /// which mistakes go together. Right sensors stay below 3.0, scans of a few beams below 3.4 but

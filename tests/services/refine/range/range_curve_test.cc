@@ -107,7 +107,31 @@ double ErrorOfWall(double wall_m) {
 
 TEST(RangeCurve, OfAWallWithoutTextureFollowsWhatIsNotFarBeforeIt) {
   EXPECT_GT(ErrorOfWall(1.9), 0.008);
-  EXPECT_NEAR(ErrorOfWall(2.6), 0, 0.002);
+  EXPECT_NEAR(ErrorOfWall(2.6), 0.02, 0.01);
+}
+
+// A wall whose texture is a tenth of its noise, and is off the other way than what stands before it.
+TEST(RangeCurve, OfAWallWithWeakTextureIsSeenInManyNodes) {
+  constexpr double kWallM = 2.1;
+  constexpr double kErrorM = -0.015;
+  std::vector<RangeNode> nodes = NodesBeforeWall(kWallM);
+  cv::RNG random(7);
+  for (RangeNode& node : nodes) {
+    const double depth_m = kCamera.DepthFromDisparity(node.disparity);
+    if (depth_m < kWallM - 0.01) continue;
+    const double off_px = kCamera.DisparityFromDepth(depth_m - kErrorM) - node.disparity;
+    for (int k = 0; k < RangeRules::kLabels; ++k) {
+      const double away = RangeRules::OffsetPx(k) - off_px;
+      node.costs[static_cast<size_t>(k)] =
+          static_cast<float>(0.97 - 0.1 * std::exp(-away * away / 2) + random.gaussian(0.14));
+    }
+    node.distinctness = DistinctnessOf(node.costs);
+  }
+  RangeCurve curve;
+  curve.Estimate(nodes, kCamera, /*stiff=*/false);
+  ASSERT_FALSE(curve.is_zero());
+  EXPECT_NEAR(curve.knots().front().error_m, 0.02, 0.003);
+  EXPECT_NEAR(curve.knots().back().error_m, kErrorM, 0.006);
 }
 
 TEST(RangeCurve, IsAboutAsSureOfAWallWithoutTextureAsOfWhatIsCloseBeforeIt) {
