@@ -277,6 +277,13 @@ Result<PairedNames> ByOrder(std::span<const std::string> first, std::span<const 
               " a file is missing; allowed: equal names, or times as names");
 }
 
+// Of sorted times, ns; 0 where there are fewer than three.
+double MedianStep(std::span<const int64_t> times) {
+  std::vector<int64_t> steps;
+  for (size_t i = 1; i < times.size(); ++i) steps.push_back(times[i] - times[i - 1]);
+  return steps.size() < 2 ? 0 : static_cast<double>(Median(steps));
+}
+
 }  // namespace
 
 std::optional<int64_t> StampOf(std::string_view name) {
@@ -325,6 +332,9 @@ bool ComesBefore(std::string_view a, std::string_view b) {
 PairedNames PairTimes(std::span<const int64_t> first, std::span<const int64_t> second,
                       double max_spread_ms) {
   constexpr double kNsPerMs = 1e6;
+  // Of fast cameras neighbours are near, too, where each list lacks the image that the other has.
+  const auto [shorter, longer] = std::minmax({MedianStep(first), MedianStep(second)});
+  if (shorter > 0) max_spread_ms = std::min(max_spread_ms, 0.75 * longer / kNsPerMs);
   PairedNames paired{.by = PairedBy::kTime};
   paired.least_spread_ms = std::numeric_limits<double>::infinity();
   // The nearest time; the earlier one of two that are equally near.

@@ -82,11 +82,14 @@ void TripletSynchronizer::Push(RigPlace place, TimedImage image) {
   }
   if (!queue.empty() && image.utime < queue.back().utime) Drop(place);
   if (queue.size() == kMaxWaitingImages) DropFront(place);
+  Pace& pace = paces_[Index(place)];
+  if (image.utime > pace.newest) pace.steps = {pace.steps[1], image.utime - pace.newest};
+  pace.newest = image.utime;
   queue.push_back(std::move(image));
 }
 
 std::optional<Triplet> TripletSynchronizer::Next(int64_t now_utime) {
-  if (FindPair()) {
+  if (FindPair(now_utime)) {
     Queue& tofs = QueueOf(RigPlace::kTof);
     switch (FindTof(now_utime)) {
       case Search::kWait:
@@ -122,21 +125,35 @@ void TripletSynchronizer::DropOverdue(int64_t now_utime) {
   }
 }
 
+// Whether the first image that waits has no partner at a later time: it is too early, or another
+// one is closer, or would be, had it not been lost.
+bool TripletSynchronizer::IsAlone(RigPlace place, int64_t utime) const {
+  const Queue& queue = queues_[Index(place)];
+  const int64_t early = utime - queue.front().utime;
+  return early > config_.max_spread_us || SecondIsCloser(queue, utime) ||
+         4 * early > 3 * std::ranges::max(paces_[Index(place)].steps);
+}
+
+// Whether an image that is closer to a later time than the one that waits is still to come. Without
+// this a lost image would shift all pairs behind it, of cameras so fast that a neighbour is near.
+bool TripletSynchronizer::CloserMayCome(RigPlace place, int64_t utime, int64_t now_utime) const {
+  const Queue& queue = queues_[Index(place)];
+  const int64_t first = queue.front().utime;
+  return queue.size() == 1 && first + config_.max_wait_us >= now_utime &&
+         2 * (utime - first) > std::ranges::min(paces_[Index(place)].steps);
+}
+
 // True when the fronts of both queues belong together. Drops what has no partner on the way.
-bool TripletSynchronizer::FindPair() {
+bool TripletSynchronizer::FindPair(int64_t now_utime) {
   const Queue& lefts = QueueOf(RigPlace::kLeft);
   const Queue& rights = QueueOf(RigPlace::kRight);
   while (!lefts.empty() && !rights.empty()) {
     const int64_t left = lefts.front().utime;
     const int64_t right = rights.front().utime;
-    if (left + config_.max_spread_us < right || (left < right && SecondIsCloser(lefts, right))) {
-      DropFront(RigPlace::kLeft);
-    } else if (right + config_.max_spread_us < left ||
-               (right < left && SecondIsCloser(rights, left))) {
-      DropFront(RigPlace::kRight);
-    } else {
-      return true;
-    }
+    const RigPlace earlier = left < right ? RigPlace::kLeft : RigPlace::kRight;
+    const int64_t later = std::max(left, right);
+    if (!IsAlone(earlier, later)) return !CloserMayCome(earlier, later, now_utime);
+    DropFront(earlier);
   }
   return false;
 }
@@ -172,7 +189,12 @@ TripletSynchronizer::Search TripletSynchronizer::FindTof(int64_t now_utime) {
       return Search::kNone;
     }
     if (tof < earliest) NoteDistance(tof, middle);
-    if (tof >= earliest && !(tof < middle && SecondIsCloser(tofs, middle))) return Search::kFound;
+    if (tof >= earliest && !(tof < middle && SecondIsCloser(tofs, middle))) {
+      if (tof > middle && SecondIsCloser(QueueOf(RigPlace::kLeft), tof)) return Search::kNone;
+      const bool may_be_closer = tof < middle ? CloserMayCome(RigPlace::kTof, middle, now_utime)
+                                              : CloserMayCome(RigPlace::kLeft, tof, now_utime);
+      return may_be_closer ? Search::kWait : Search::kFound;
+    }
     DropFront(RigPlace::kTof);
   }
   if (std::max(left, right) + config_.max_wait_us < now_utime) tof_is_silent_ = true;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
@@ -90,11 +91,20 @@ class TripletSynchronizer {
  private:
   using Queue = std::deque<TimedImage>;
 
+  // Times between the newest images of a camera: two, of which one may be long by a lost image.
+  struct Pace {
+    static constexpr int64_t kUnknown = std::numeric_limits<int64_t>::max() / 8;
+    int64_t newest = kUnknown;
+    std::array<int64_t, 2> steps = {kUnknown, kUnknown};
+  };
+
   static size_t Index(RigPlace place) { return static_cast<size_t>(place); }
   Queue& QueueOf(RigPlace place) { return queues_[Index(place)]; }
   void DropFront(RigPlace place);
   void DropOverdue(int64_t now_utime);
-  bool FindPair();
+  bool IsAlone(RigPlace place, int64_t utime) const;
+  bool CloserMayCome(RigPlace place, int64_t utime, int64_t now_utime) const;
+  bool FindPair(int64_t now_utime);
   enum class Search { kFound, kNone, kWait };
   Search FindTof(int64_t now_utime);
   void NoteDistance(int64_t tof_utime, int64_t pair_utime);
@@ -104,6 +114,7 @@ class TripletSynchronizer {
   bool tof_is_there_ = true;
   bool tof_is_silent_ = false;
   std::array<Queue, kRigPlaces.size()> queues_;
+  std::array<Pace, kRigPlaces.size()> paces_;
   std::array<int64_t, kRigPlaces.size()> unpaired_{};
   TofJoins joins_;
   std::optional<int64_t> overdue_tof_utime_;  // of the newest ToF image that came before all pairs

@@ -46,6 +46,17 @@ TEST(PairNames, RefusesTimesThatAreFurtherApartThanAllowed) {
   EXPECT_EQ(PairNames(left, right, 30)->pairs.size(), 2U);
 }
 
+TEST(PairNames, DoesNotJoinNeighboursOfFastCamerasThatEachLostAnImage) {
+  const Names left = {"1403636579000.png", "1403636579016.png", "1403636579033.png",
+                      "1403636579066.png", "1403636579083.png"};  // without 050
+  const Names right = {"1403636579000.png", "1403636579016.png", "1403636579050.png",
+                       "1403636579066.png", "1403636579083.png"};  // without 033
+  const auto paired = PairNames(left, right);
+  EXPECT_EQ(paired->pairs.size(), 4U);
+  EXPECT_THAT(paired->alone_first, ElementsAre(2));
+  EXPECT_THAT(paired->alone_second, ElementsAre(2));
+}
+
 TEST(PairNames, TakesTimesOfOneSecondBehindOtherWords) {
   const Names left = {"l/left_1403636579.100000.png", "l/left_1403636579.150000.png",
                       "l/left_1403636579.250000.png"};

@@ -148,6 +148,25 @@ TEST(TripletSynchronizer, TakesTheCloserOfTwoPartners) {
   EXPECT_EQ(joiner.unpaired(RigPlace::kRight), 9);
 }
 
+// Right comes first, so that of cameras with 60 images a second each left one could take the next.
+TEST(TripletSynchronizer, ALostImageShiftsNoPairOfFastCameras) {
+  constexpr int64_t kFast = 16'667;
+  TripletSynchronizer joiner({.max_spread_us = 20'000});
+  std::vector<Triplet> triplets;
+  for (int64_t i = 0; i < 40; ++i) {
+    const auto push = [&](RigPlace place, int64_t utime) {
+      joiner.Push(place, At(kStart + utime));
+      for (Triplet& triplet : All(joiner, kStart + utime)) triplets.push_back(std::move(triplet));
+    };
+    if (i != 10 && i != 31) push(RigPlace::kRight, i * kFast - 1000);
+    if (i != 15 && i != 30) push(RigPlace::kLeft, i * kFast);
+    if (i != 20) push(RigPlace::kTof, i * kFast + 500);
+  }
+  for (const Triplet& triplet : triplets) EXPECT_LE(triplet.spread_ms(), 1.5);
+  EXPECT_EQ(triplets.size(), 36);
+  EXPECT_EQ(joiner.tof_joins().joined, 35);
+}
+
 TEST(TripletSynchronizer, FollowsACameraWhoseTimesStartAgain) {
   TripletSynchronizer joiner({.max_spread_us = 5000, .has_tof = false, .max_wait_us = 500'000});
   joiner.Push(RigPlace::kLeft, At(kStart + 10 * kPeriod));
