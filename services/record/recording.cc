@@ -166,7 +166,10 @@ void Recording::Receive(std::string_view channel, std::span<const uint8_t> bytes
       Drop(channel);
     }
   }
-  if (channel == options_.trigger_channel) Trigger("a message on " + std::string(channel));
+  if (channel == options_.trigger_channel) {
+    heard_trigger_ = true;
+    Trigger("a message on " + std::string(channel));
+  }
 } catch (const std::bad_alloc&) {
   Drop(channel);
 }
@@ -321,6 +324,9 @@ std::string Recording::Summary() const {
     text += fmt::format("; {:.1f} MB of messages became {:.1f} MB",
                         static_cast<double>(uncompressed_bytes_) / 1e6,
                         static_cast<double>(compressed_bytes_) / 1e6);
+  }
+  if (options_.trigger_channel && !heard_trigger_) {
+    text += "; nothing came on --trigger-channel " + *options_.trigger_channel;
   }
   for (const std::string& channel : options_.channels) {
     if (options_.named && !heard_.contains(channel)) text += "; nothing came on " + channel;

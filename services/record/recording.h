@@ -142,6 +142,7 @@ class Recording {
   std::optional<Part> counted_part_;          // whose messages are counted as frames
   std::map<Part, SequenceGaps> gaps_;         // of the receiving thread
   std::set<std::string, std::less<>> heard_;  // recorded channels with messages; of that thread
+  bool heard_trigger_ = false;                // on trigger_channel; of that thread
   int64_t unjudged_ = 0;                      // frames since the newest confidence; of that thread
   std::atomic<int64_t> dropped_ = 0;          // messages that did not fit into the queue
   int64_t triggers_ = 0;                      // used by the writing thread, as all below

@@ -125,15 +125,16 @@ TEST_F(RecordRobot, KeepsTheSecondsBeforeASignal) {
 
 TEST_F(RecordRobot, NamesChannelsOnWhichNothingCame) {
   Graph graph;
-  Process& record =
-      graph.Start("record", {"--dir", folder_ / "logs", "--channels", "SPROUT_LEFT,SPROUT_RIGTH",
-                             "--channels", "SPROUT_RIGTH"});
+  Process& record = graph.Start(
+      "record", {"--dir", folder_ / "logs", "--channels", "SPROUT_LEFT,SPROUT_RIGTH", "--channels",
+                 "SPROUT_RIGTH", "--ring", "5", "--trigger-channel", "BUMPR"});
   graph.PublishPart({.utime = NowUtime(), .seq = 1, .rig_id = "a"}, Part::kLeft,
                     cv::Mat(cv::Mat1b(9, 9)));
   ASSERT_TRUE(HasRecorded(graph, 1));
   record.Signal(SIGTERM);
   ASSERT_EQ(record.Wait(), 0) << record.Output();
-  EXPECT_THAT(record.Output(), HasSubstr("missing: none; nothing came on SPROUT_RIGTH\n"));
+  EXPECT_THAT(record.Output(), HasSubstr("; nothing came on --trigger-channel BUMPR; "
+                                         "nothing came on SPROUT_RIGTH\n"));
 }
 
 TEST_F(RecordRobot, SaysWhileItRecordsOnWhichChannelsNothingComes) {

@@ -70,7 +70,7 @@ double NearestMs(const std::array<std::deque<int64_t>, 2>& stamps) {
 }  // namespace
 
 void CloudWatch::Add(size_t count, size_t usable, std::string_view frame, const TofImage& image) {
-  if (has_hit_ || count == 0) return;
+  if (has_hit_) return;
   ++clouds_;
   has_hit_ = std::ranges::any_of(image.depth_m, IsReturn);
   count_ = count;
@@ -82,6 +82,7 @@ std::string CloudWatch::Trouble(const std::string& topic, bool at_end) {
   const bool is_due = clouds_ > 0 && !has_hit_ && (at_end || clouds_ >= next_report_);
   if (!is_due) return {};
   while (next_report_ <= clouds_) next_report_ *= 10;
+  if (count_ == 0) return fmt::format("the {} clouds of {} have no points", clouds_, topic);
   const size_t left_out = count_ - usable_;
   return fmt::format(
       "none of {} points of {} is in the left image{}; allowed are m along the axes of their frame "

@@ -25,12 +25,12 @@ class CloudWatch {
   /// @param count  points of the cloud; of these `usable` are finite and within 1000 m.
   void Add(size_t count, size_t usable, std::string_view frame, const TofImage& image);
 
-  /// One line when none of the clouds so far had a point there; again after 10, 100, 1000 ... of
-  /// them, `at_end`: of any; else nothing. O(1).
+  /// One line when none of the clouds so far had a point there, or any; again after 10, 100, 1000
+  /// ... of them, `at_end`: of any; else nothing. O(1).
   std::string Trouble(const std::string& topic, bool at_end);
 
  private:
-  int64_t clouds_ = 0;  // that had points
+  int64_t clouds_ = 0;
   bool has_hit_ = false;
   int64_t next_report_ = 10;
   size_t count_ = 0;  // of the newest cloud

@@ -226,11 +226,11 @@ TEST(RosForeign, ThePoseMayBeGiven) {
   EXPECT_EQ(shifted.source->rig().tof.left_from_tof_rotation.w(), 1);
 }
 
-// The line at the end of a recording of three pairs and clouds of these two points.
-std::string CloudTrouble(const Eigen::Vector3f& first, const Eigen::Vector3f& second) {
+// The line at the end of a recording of three pairs and clouds of these points.
+std::string CloudTrouble(const std::vector<Eigen::Vector3f>& places) {
   RosRecording file(examples::Rig());
   PointCloud cloud;
-  for (const Eigen::Vector3f& place : {first, second}) {
+  for (const Eigen::Vector3f& place : places) {
     cloud.points.push_back({.position_m = {place.x(), place.y(), place.z()}, .bgr = {}});
   }
   for (int i = 0; i < 3; ++i) {
@@ -246,12 +246,13 @@ std::string CloudTrouble(const Eigen::Vector3f& first, const Eigen::Vector3f& se
 }
 
 TEST(RosForeign, SaysThatNoPointOfACloudIsInTheImage) {
-  EXPECT_EQ(CloudTrouble({0, 0, 2}, {0, 0, -2}), "");
-  EXPECT_THAT(CloudTrouble({2, 0, 0}, {3, 0, 0}),  // x ahead, as in a body's frame
+  EXPECT_EQ(CloudTrouble({{0, 0, 2}, {0, 0, -2}}), "");
+  EXPECT_THAT(CloudTrouble({{2, 0, 0}, {3, 0, 0}}),  // x ahead, as in a body's frame
               StartsWith("none of 2 points of /points is in the left image; allowed are m along "
                          "the axes of their frame 'sprout_left_optical_frame'"));
-  EXPECT_THAT(CloudTrouble({0, 0, 2000}, {0, 0, -2}),
+  EXPECT_THAT(CloudTrouble({{0, 0, 2000}, {0, 0, -2}}),
               HasSubstr("image, 1 are not finite or beyond 1000 m (in mm?); allowed are m"));
+  EXPECT_EQ(CloudTrouble({}), "the 3 clouds of /points have no points");
 }
 
 // Raw images, given in the place of rectified ones, by drivers that name them so.
