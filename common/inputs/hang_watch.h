@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <opencv2/core.hpp>
 #include <string>
 
 #include "common/core/frame.h"
@@ -28,6 +29,17 @@ class HangWatch {
 
   std::array<Images, 3> images_;  // left, right, range
   std::string rig_id_;
+};
+
+/// Says which image of a pair is that of the pair before, to the last bit, while the other view
+/// moved: such a pair is of two moments. A compressed still repeats itself, too, but moves little.
+class RepeatWatch {
+ public:
+  /// Keeps the images; their pixels must not change. @returns a line, or nothing.
+  std::string Add(const cv::Mat& left, const cv::Mat& right);
+
+ private:
+  cv::Mat left_, right_;
 };
 
 }  // namespace sprout::inputs

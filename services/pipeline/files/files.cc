@@ -24,6 +24,7 @@
 #include "common/core/printable.h"
 #include "common/geometry/projection.h"
 #include "common/inputs/check_inputs.h"
+#include "common/inputs/hang_watch.h"
 #include "common/picture/write_image.h"
 #include "services/pipeline/files/believe_nothing.h"
 #include "services/pipeline/files/write_results.h"
@@ -164,7 +165,7 @@ std::string LeaveOutRanges(const inputs::Findings& findings, bool has_map_withou
 }
 
 Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline& pipeline,
-                             const SproutConfig& config) {
+                             inputs::RepeatWatch& repeat_watch, const SproutConfig& config) {
   using Clock = std::chrono::steady_clock;
   try {
     Result<Frame> frame = reader.Read(pair);
@@ -176,7 +177,8 @@ Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline
     for (inputs::Finding& finding : findings) {
       if (!finding.flag.empty()) finding.text += " " + finding.flag;
     }
-    std::string problem = BadText(findings);
+    const std::string repeats = repeat_watch.Add(frame->left, frame->right);
+    std::string problem = JoinedTexts(repeats, BadText(findings));
     problem += LeaveOutRanges(findings, config.refine().stereo_seeds(), *frame->tof);
     problem =
         JoinedTexts(problem, refine::BeyondSearch(findings, config.refine(), frame->rig->pair,
@@ -185,10 +187,12 @@ Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline
         pipeline.Compute(frame->left, frame->right, *frame->tof, *frame->rig);
     if (!depth) return tl::unexpected(depth.error());
     using inputs::Question;
-    if (AnyIsBad(findings, {Question::kScene, Question::kSides})) BelieveNothing(config, *depth);
+    if (!repeats.empty() || AnyIsBad(findings, {Question::kScene, Question::kSides})) {
+      BelieveNothing(config, *depth);
+    }
     // A pair that does not fit its calibration is not fused with others.
-    if (AnyIsBad(findings,
-                 {Question::kScene, Question::kSides, Question::kRows, Question::kTime})) {
+    if (!repeats.empty() || AnyIsBad(findings, {Question::kScene, Question::kSides, Question::kRows,
+                                                Question::kTime})) {
       pipeline.Reset();
     }
     const std::chrono::duration<double, std::milli> time = Clock::now() - begun;
@@ -213,7 +217,7 @@ class FilesRun {
     for (const ImagePair& pair : found_.pairs) {
       if (stop.stop_requested()) break;
       ShowProgress(pair, "computing");
-      Result<Computed> computed = ComputePair(reader_, pair, pipeline_, config_);
+      Result<Computed> computed = ComputePair(reader_, pair, pipeline_, repeat_watch_, config_);
       FinishWriting();
       if (const std::string note = reader_.TakeNote(); !note.empty()) {
         progress_.Clear();
@@ -300,6 +304,7 @@ class FilesRun {
   PairReader reader_;
   ImagePairs found_;
   Pipeline pipeline_;
+  inputs::RepeatWatch repeat_watch_;
   Progress progress_{/*quiet=*/false};
   size_t done_ = 0;
   size_t left_out_ = 0;

@@ -65,5 +65,22 @@ TEST_F(HangWatchTest, NamesBothCamerasThatChangedBefore) {
   EXPECT_EQ(Play(20, {}), "");
 }
 
+TEST(RepeatWatch, NamesTheImageThatStaysWhileTheOtherViewMoves) {
+  cv::Mat1b view(40, 60);
+  cv::randu(view, 0, 255);
+  const auto turned = [&](int columns) { return view.colRange(columns, columns + 50).clone(); };
+  RepeatWatch watch;
+  EXPECT_EQ(watch.Add(turned(0), turned(2)), "");
+  EXPECT_EQ(watch.Add(turned(3), turned(5)), "");
+  EXPECT_THAT(watch.Add(turned(3), turned(8)), StartsWith("the left image is that of the pair be"));
+  EXPECT_THAT(watch.Add(turned(6), turned(8)), StartsWith("the right image is that of the pair "));
+  EXPECT_EQ(watch.Add(turned(6), turned(8)), "") << "neither moves";
+  EXPECT_EQ(watch.Add(turned(6), turned(8) + 3), "") << "noise of a compressed still";
+  EXPECT_EQ(watch.Add(turned(6), view), "") << "another size";
+  const cv::Mat1b covered(40, 50, uint8_t{3});
+  EXPECT_EQ(watch.Add(covered, turned(2)), "");
+  EXPECT_EQ(watch.Add(covered, turned(5)), "") << "dark";
+}
+
 }  // namespace
 }  // namespace sprout::inputs

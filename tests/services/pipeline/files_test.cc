@@ -157,7 +157,7 @@ TEST_F(Files, OfAPairThatDoesNotFitAreForgotten) {
   cv::warpAffine(scene_.right, lower, cv::Matx23d(1, 0, 0, 0, 1, 6), scene_.right.size());
   for (const int i : {0, 1, 2}) {
     const std::string name = "/" + std::to_string(i) + ".png";
-    Write(("l" + name).c_str(), scene_.left);
+    Write(("l" + name).c_str(), i == 1 ? cv::Mat(scene_.left + cv::Scalar::all(1)) : scene_.left);
     Write(("r" + name).c_str(), i == 1 ? lower : scene_.right);
   }
   options_.left = folder_ / "l";
@@ -169,6 +169,23 @@ TEST_F(Files, OfAPairThatDoesNotFitAreForgotten) {
   };
   EXPECT_TRUE(SameBytes(of("2", "fused.png"), of("0", "fused.png")));
   EXPECT_TRUE(SameBytes(of("2", "fused_confidence.png"), of("0", "confidence.png")));
+}
+
+TEST_F(Files, OfACameraThatHangsAreNotBelieved) {
+  for (const int i : {0, 1}) {
+    const std::string name = "/" + std::to_string(i) + ".png";
+    Write(("l" + name).c_str(), scene_.left);
+    const cv::Rect part(i * 5, 0, scene_.right.cols - 5, scene_.right.rows);
+    cv::Mat turned;
+    cv::resize(scene_.right(part), turned, scene_.right.size());
+    Write(("r" + name).c_str(), turned);
+  }
+  options_.left = folder_ / "l";
+  options_.right = folder_ / "r";
+  EXPECT_THAT(RunToEnd(options_).err,
+              HasSubstr("1.png: the left image is that of the pair before"));
+  const auto confidence = cv::imread(folder_ / "out/1/confidence.png", cv::IMREAD_UNCHANGED);
+  EXPECT_EQ(cv::countNonZero(confidence), 0);
 }
 
 TEST_F(Files, LeaveOutOfDepthsAndPointsWhatTheDepthSettingsSay) {
