@@ -258,6 +258,7 @@ Finding JudgePlace(const RangeModel& model) {
         NameOf(model.turned.with.turn), 100 * model.turned.share(), 100 * as_is.share());
   } else if (IsElsewhere(model, model.shifted) && !IsSpread(model)) {
     finding.verdict = Verdict::kBad;
+    finding.moved_px = cv::norm(model.shifted.with.move_px);
     finding.text = fmt::format(
         "range points belong about {} in the left image (there {:.0f} % of them are within 1 % of "
         "stereo, where they are {:.0f} %): how does the range sensor lie in the rig? "

@@ -147,17 +147,21 @@ TofImage RangesOf(const Frame& frame, double unambiguous_range_m) {
 }
 
 // Leaves out ranges that would spoil what the pair shows: all of them if they are noise, hit
-// nothing or have another scale. @returns a note for the user, or nothing.
-std::string LeaveOutRanges(const inputs::Findings& findings, bool has_map_without, TofImage& tof) {
+// nothing, have another scale or lie farther aside than refine can move them. @returns a note for
+// the user, or nothing.
+std::string LeaveOutRanges(const inputs::Findings& findings, bool has_map_without, int width,
+                           TofImage& tof) {
   std::string note;
+  bool is_far = false;
   for (const inputs::Finding& finding : findings) {
+    is_far |= finding.moved_px > width / 20.0;
     if (finding.no_return_m == 0) continue;
     tof.depth_m.setTo(0, tof.depth_m == finding.no_return_m);
     note = fmt::format("; ranges of exactly {:.3f} m are left out", finding.no_return_m);
   }
   const bool hits_is_bad = note.empty() && AnyIsBad(findings, {inputs::Question::kHits});
   if (has_map_without && !tof.depth_m.empty() &&
-      (hits_is_bad || AnyIsBad(findings, {inputs::Question::kScale}))) {
+      (is_far || hits_is_bad || AnyIsBad(findings, {inputs::Question::kScale}))) {
     tof = TofImage();
     note = "; no range is believed";
   }
@@ -179,7 +183,8 @@ Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline
     }
     const std::string repeats = repeat_watch.Add(frame->left, frame->right);
     std::string problem = JoinedTexts(repeats, BadText(findings));
-    problem += LeaveOutRanges(findings, config.refine().stereo_seeds(), *frame->tof);
+    problem +=
+        LeaveOutRanges(findings, config.refine().stereo_seeds(), frame->left.cols, *frame->tof);
     problem =
         JoinedTexts(problem, refine::BeyondSearch(findings, config.refine(), frame->rig->pair,
                                                   /*has_ranges=*/!frame->tof->depth_m.empty()));

@@ -338,6 +338,30 @@ TEST_F(Files, StopBetweenTwoPairs) {
 }
 
 // As of a camera of other proportions, whose image was taken for what the left one shows.
+TEST_F(Files, UseNoRangesThatLieFarAside) {
+  constexpr int kAside = 48;
+  const auto dataset = scenes::OpenDataset("synthetic:320x240");
+  const scenes::DatasetFrame scene = dataset->Get(0);
+  const RectifiedPair& pair = dataset->rig().pair;
+  cv::Mat1w mm(pair.size(), uint16_t{0});
+  for (int v = 0; v < mm.rows; ++v) {
+    for (int u = kAside; u < mm.cols; ++u) {
+      const double px = scene.truth.left(v, u - kAside);
+      if (std::isfinite(px)) mm(v, u) = static_cast<uint16_t>(1000 * pair.DepthFromDisparity(px));
+    }
+  }
+  options_.left = Write("left.png", scene.left);
+  options_.right = Write("right.png", scene.right);
+  options_.tof = Write("tof.png", mm);
+  options_.rig.focal_px = pair.focal_px;
+  options_.rig.baseline_m = pair.baseline_m;
+  options_.rig.cx = pair.cx;
+  options_.rig.cx_right = pair.cx_right;
+  const MainOutcome outcome = RunToEnd(options_);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, testing::ContainsRegex("belong about 48 px.*; no range is believed"));
+}
+
 TEST_F(Files, SayThatPixelsOfRangeImagesAreOblong) {
   options_.tof = folder_ / "tof.pfm";
   EXPECT_THAT(RunToEnd(options_).err, Not(HasSubstr("as wide as high")));
