@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -106,6 +107,19 @@ void SayResizedRanges(const Rig& rig, Findings& findings) {
   }
 }
 
+// Beside a pair that does not fit: what no misfit of it explains, turned range images and units.
+void SayGross(const RangeModel& ranges, Finding& finding) {
+  constexpr double kSure = 0.8;
+  for (Finding& one : JudgeRanges(&ranges, /*pair_fits=*/true)) {
+    if (one.question != finding.question || one.verdict != Verdict::kBad) continue;
+    const bool is_turned = one.question == Question::kPlace && std::isinf(one.moved_px) &&
+                           ranges.turned.share() >= kSure;
+    if (is_turned || (!one.flag.empty() && ranges.scaled.share() >= kSure)) {
+      finding = std::move(one);
+    }
+  }
+}
+
 struct Shown {
   Matches matches;
   PairModel model;
@@ -142,6 +156,7 @@ Findings CheckInputs(const cv::Mat1b& left, const cv::Mat1b& right, const TofIma
     return finding.verdict == Verdict::kBad && finding.question != Question::kContrast;
   });
   for (Finding& finding : JudgeRanges(ranges ? &*ranges : nullptr, fits)) {
+    if (ranges && !fits) SayGross(*ranges, finding);
     if (finding.question == Question::kScale) SayUnlikely(pair, finding);
     findings.push_back(std::move(finding));
   }

@@ -45,8 +45,8 @@ struct Finding {
   std::string flag = {};
   /// For kHits, if the only fault is that ranges of exactly this, m, mean no return; else 0.
   float no_return_m = 0;
-  /// For kPlace: how far from their place range points lie, px of the left image; 0: not known.
-  double moved_px = 0;
+  /// For kPlace: how far from their place range points lie, px of the left image; infinite: turned.
+  double moved_px = std::numeric_limits<double>::infinity();
   /// For kSides: a tenth of the matches has a larger disparity, px of the images; 0: not known.
   double near_px = 0;
 };

@@ -146,15 +146,15 @@ TofImage RangesOf(const Frame& frame, double unambiguous_range_m) {
                                          TofProjector(*frame.rig), unambiguous_range_m);
 }
 
-// Leaves out ranges that would spoil what the pair shows: all of them if they are noise, hit
-// nothing, have another scale or lie farther aside than refine can move them. @returns a note for
-// the user, or nothing.
+// Leaves out ranges that would spoil what the pair shows: all if they are noise, hit nothing, have
+// another scale or lie farther aside than refine can move them. @returns a note for the user.
 std::string LeaveOutRanges(const inputs::Findings& findings, bool has_map_without, int width,
                            TofImage& tof) {
   std::string note;
   bool is_far = false;
   for (const inputs::Finding& finding : findings) {
-    is_far |= finding.moved_px > width / 20.0;
+    is_far |= finding.question == inputs::Question::kPlace &&
+              finding.verdict == inputs::Verdict::kBad && finding.moved_px > width / 20.0;
     if (finding.no_return_m == 0) continue;
     tof.depth_m.setTo(0, tof.depth_m == finding.no_return_m);
     note = fmt::format("; ranges of exactly {:.3f} m are left out", finding.no_return_m);

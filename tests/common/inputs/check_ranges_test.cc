@@ -39,6 +39,23 @@ TEST(CheckInputs, NamesTheUnitOfRanges) {
   }
 }
 
+// The second fault is told with the first one; right ranges are not blamed for a pair.
+TEST(CheckInputs, NamesTheUnitAndTheTurnOfRangesBesideAPairThatDoesNotFit) {
+  const auto lower = [](Parts parts) {
+    cv::warpAffine(parts.right, parts.right, cv::Matx23d(1, 0, 0, 0, 1, 4), parts.right.size());
+    return parts;
+  };
+  ExpectBad(lower(Scaled(0.256)), Question::kRows, "px off those");
+  ExpectBad(lower(Scaled(0.256)), Question::kScale, "1/256 m");
+  Parts mirrored = SceneOf();
+  cv::flip(mirrored.tof.depth_m, mirrored.tof.depth_m, 1);
+  ExpectBad(lower(mirrored), Question::kPlace, "mirrored left to right");
+  for (const double factor : {1.0, 1.3}) {
+    EXPECT_EQ(lower(Scaled(factor)).Answer(Question::kScale).verdict, Verdict::kCannotTell);
+    EXPECT_EQ(lower(Scaled(factor)).Answer(Question::kPlace).verdict, Verdict::kCannotTell);
+  }
+}
+
 TEST(CheckInputs, NamesDisparitiesThatAreGivenAsRanges) {
   for (const char* source : {"synthetic:640x480?tof=grid", "synthetic:640x480?tof=sr4000"}) {
     for (const double factor : {1.0, 35.0}) {
