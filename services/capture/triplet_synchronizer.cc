@@ -32,15 +32,16 @@ std::string JoinTrouble(const TofJoins& joins, const TripletConfig& config,
   if (!config.has_tof) return {};
   int64_t power = 10;
   while (power < joins.pairs_since_join) power *= 10;
-  const bool is_due = at_end ? joins.joined == 0 && joins.pairs > 0
+  const int64_t most = std::max<int64_t>(std::min(joins.came, joins.pairs), 1);
+  const bool is_due = at_end ? 3 * joins.joined < 2 * most && joins.pairs > 0
                              : joins.pairs_since_join == power && power > 2 * joins.longest_gap;
   if (!is_due) return {};
   if (joins.came == 0) {
     return fmt::format("no range image came with {} pairs: does {} send any?", joins.pairs, sensor);
   }
-  std::string text =
-      fmt::format("{} of {} range images of {} joined {} pairs, none the last {}", joins.joined,
-                  joins.came, sensor, joins.pairs, joins.pairs_since_join);
+  std::string text = fmt::format("{} of {} range images of {} joined {} pairs", joins.joined,
+                                 joins.came, sensor, joins.pairs);
+  if (joins.pairs_since_join > 0) text += fmt::format(", none the last {}", joins.pairs_since_join);
   if (joins.nearest_us) {
     const double distance_ms = static_cast<double>(*joins.nearest_us) / 1000;
     text += fmt::format(": the nearest is {:+.1f} ms off, max_spread_ms is {:g}", distance_ms,

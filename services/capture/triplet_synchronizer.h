@@ -58,7 +58,7 @@ struct TofJoins {
 /// Why ToF images do not join: none came, or they are too far from all pairs in time.
 /// @param sensor  its name, for the text.
 /// @returns one line when so many pairs in a row have none that something must be wrong: 10, 100,
-///          1000 ... (`at_end`: any, and none has ever joined); else nothing.
+///          1000 ... (`at_end`: less than two thirds of those that could joined); else nothing.
 std::string JoinTrouble(const TofJoins& joins, const TripletConfig& config,
                         const std::string& sensor, bool at_end);
 

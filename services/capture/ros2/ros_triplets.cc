@@ -225,12 +225,16 @@ scenes::LostFrames RosTriplets::LostSince(bool at_end) {
   }
   const TofJoins& joins = synchronizer_.tof_joins();
   std::string no_ranges = JoinTrouble(joins, synchronizer_.config(), sensor_, at_end);
-  if (no_ranges.empty()) no_ranges = cloud_watch_.Trouble(sensor_, at_end);
+  std::string no_points = cloud_watch_.Trouble(sensor_, at_end);
+  const bool lacks_most =
+      10 * joins.joined <= std::min(joins.came, joins.pairs) || !no_points.empty();
+  if (!no_points.empty() && (joins.joined > 0 || no_ranges.empty()))
+    no_ranges = std::move(no_points);
   if (no_ranges.empty()) return lost;
   if (joins.came == 0 && !range_trouble_.empty()) {
     no_ranges = fmt::format("no range image of {} can be used: {}", sensor_, range_trouble_);
   }
-  lost.lacks_most = at_end;
+  lost.lacks_most |= at_end && lacks_most;
   lost.trouble += (lost.trouble.empty() ? "" : "; ") + no_ranges;
   return lost;
 }

@@ -55,5 +55,29 @@ TEST(RosLosses, SaysThatImagesHaveNoStampsBesideAClockOfPoints) {
                     HasSubstr("of 3 range images of /points joined 1 pairs")));
 }
 
+// Of 20 pairs and range images so many are of one time, the others 40 ms apart.
+scenes::LostFrames LossOfRanges(int of_one_time) {
+  RosRecording file(examples::Rig());
+  PointCloud cloud;
+  cloud.points.push_back({.position_m = {0, 0, 2}, .bgr = {}});
+  for (int i = 0; i < 20; ++i) {
+    const int64_t utime = kStart + 100'000 * i;
+    const int64_t later = i < of_one_time ? 0 : 40'000;
+    file.AddPair(utime, Grey(i));
+    file.Add("/points", ToRosCloud({utime + later, RosFrames().left}, cloud));
+  }
+  Told told;
+  const auto source = OpenRosSource(file.Source("&points=/points"), told.Options());
+  EXPECT_EQ(All(*source).size(), 20U);
+  return source->lost_at_end();
+}
+
+TEST(RosLosses, SaysHowManyRangeImagesJoinedNoPair) {
+  EXPECT_EQ(LossOfRanges(15).trouble, "");
+  EXPECT_THAT(LossOfRanges(10).trouble, HasSubstr("10 of 20 range images of /points joined 20"));
+  EXPECT_FALSE(LossOfRanges(10).lacks_most);
+  EXPECT_TRUE(LossOfRanges(1).lacks_most);
+}
+
 }  // namespace
 }  // namespace sprout::capture

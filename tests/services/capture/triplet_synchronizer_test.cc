@@ -253,8 +253,18 @@ TEST(JoinTrouble, WhileImagesComeSaysSoAfterTenAHundredPairsInARow) {
   EXPECT_EQ(JoinTrouble(joins, config, "ToF", /*at_end=*/false), "");
   joins.pairs_since_join = 100;
   EXPECT_NE(JoinTrouble(joins, config, "ToF", /*at_end=*/false), "");
-  joins.joined = 1;
-  EXPECT_EQ(JoinTrouble(joins, config, "ToF", /*at_end=*/true), "");
+}
+
+// Of a slower or a faster sensor than the cameras, one a pair or all can join.
+TEST(JoinTrouble, SaysAtTheEndWhereManyDidNotJoin) {
+  const auto of = [](int64_t pairs, int64_t came, int64_t joined) {
+    return JoinTrouble({.pairs = pairs, .came = came, .joined = joined}, {}, "ToF", true);
+  };
+  EXPECT_EQ(of(20, 20, 14), "");
+  EXPECT_EQ(of(20, 20, 13), "13 of 20 range images of ToF joined 20 pairs");
+  EXPECT_EQ(of(20, 5, 4), "");
+  EXPECT_EQ(of(20, 90, 19), "");
+  EXPECT_EQ(of(0, 9, 0), "");
 }
 
 }  // namespace
