@@ -88,7 +88,14 @@ Result<Calibration> Calibrate(const Board& board, const std::array<cv::Size, kCa
   }
   Calibration calibration{.rig = ToRawRig(refined->model), .quality = {}};
   if (const Result<void> usable = CheckFoundRig(calibration.rig); !usable) {
-    return tl::unexpected(usable.error());
+    const Eigen::Vector3d& place_m = calibration.rig.left_from_right.translation_m;
+    std::string cause;
+    if (place_m.norm() < 1e-4) {
+      cause = "; are left and right images of one camera?";
+    } else if (place_m.x() > 0) {
+      cause = "; do left and right images of one name show one moment?";
+    }
+    return Fail(usable.error().text + cause);
   }
   calibration.quality = QualityOf(*refined, calibration.rig, views);
   return calibration;

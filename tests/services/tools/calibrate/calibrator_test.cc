@@ -249,5 +249,13 @@ TEST_F(Calibrator, NoticesSwappedCameras) {
               HasSubstr("are the left and the right camera swapped?"));
 }
 
+TEST_F(Calibrator, NoticesOneCameraTwice) {
+  std::vector<BoardView> views = Views(16);
+  for (BoardView& view : views) view.corners[kRight] = view.corners[kLeft];
+
+  EXPECT_THAT(WhyNot(Calibrate(board_, SizesOf(rig_), views)),
+              HasSubstr("are left and right images of one camera?"));
+}
+
 }  // namespace
 }  // namespace sprout::calibrate
