@@ -5,35 +5,14 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
+#include "common/core/pair_times.h"
 #include "common/core/result.h"
 
 namespace sprout {
 
 /// Images whose times are at most this far apart belong together, ms, where nothing else is asked.
 inline constexpr double kMaxSpreadMs = 20;
-
-/// What says that two files belong together.
-enum class PairedBy {
-  kTime,   ///< the times in their names, or numbers that count alike
-  kName,   ///< what differs within a list of names is equal in both
-  kOrder,  ///< nothing: the lists are equally long, so the first belongs to the first, and so on
-};
-
-/// Files of two lists that belong together.
-struct PairedNames {
-  struct Pair {
-    size_t first = 0;   ///< index in the first list
-    size_t second = 0;  ///< index in the second list
-  };
-  PairedBy by = PairedBy::kName;
-  std::vector<Pair> pairs = {};  ///< in the order of their times or numbers
-  std::vector<size_t> alone_first = {};
-  std::vector<size_t> alone_second = {};
-  /// kTime: the smallest difference of times between the lists, ms, also where it is too large.
-  double least_spread_ms = 0;
-};
 
 /// Joins the files of two cameras, the same way wherever Sprout reads folders. By the times in
 /// their names where all have one (see StampOf()), also behind or before other words: each with the
@@ -50,11 +29,6 @@ struct PairedNames {
 Result<PairedNames> PairNames(std::span<const std::string> first,
                               std::span<const std::string> second,
                               double max_spread_ms = kMaxSpreadMs);
-
-/// Joins times, each with the nearest of the other list, where this holds both ways.
-/// @param first, second  ns; ascending.
-PairedNames PairTimes(std::span<const int64_t> first, std::span<const int64_t> second,
-                      double max_spread_ms);
 
 /// The time that a name stands for, ns since 1970: a number of seconds, milliseconds, microseconds
 /// or nanoseconds (10, 13, 16 or 19 digits, 18 before 2001), or of seconds with a fraction behind

@@ -68,7 +68,7 @@ struct RangeCurve::Bin {
   std::span<const Voter> voters;
   double depth_m = 0;
   double px_per_m = 0;
-  Votes votes{};      // the mean of all voters
+  Votes votes{};  // the mean of all voters
 };
 
 // λ₀, λ₁, λ₂ of eq. (R5).

@@ -110,7 +110,8 @@ TEST(RangeCurve, OfAWallWithoutTextureFollowsWhatIsNotFarBeforeIt) {
   EXPECT_NEAR(ErrorOfWall(2.6), 0.02, 0.01);
 }
 
-// A wall whose texture is a tenth of its noise, and is off the other way than what stands before it.
+// A wall whose texture is a tenth of its noise, and is off the other way than what stands before
+// it.
 TEST(RangeCurve, OfAWallWithWeakTextureIsSeenInManyNodes) {
   constexpr double kWallM = 2.1;
   constexpr double kErrorM = -0.015;
