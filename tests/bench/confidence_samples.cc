@@ -73,14 +73,13 @@ void PrintScene(const std::string& row, const Scene& scene, const ChainSettings&
               << (scene.nonoccluded(v, u) != 0);
     const cv::Point cell(u / grow::kCellPx, v / grow::kCellPx);
     for (const cv::Mat1b* plane :
-         {&features.step, &features.bend, &features.misfit, &features.margin, &features.edge}) {
+         {&features.step, &features.bend, &features.margin, &features.edge}) {
       std::cout << '\t' << int{(*plane)(cell)};
     }
     const cv::Point block(u / grow::kBlockPx, v / grow::kBlockPx);
     std::cout << '\t' << int{features.tof_seed(block)} << '\t' << int{features.seed(block)} << '\t'
               << int{frame.prior->sigma(v / 2 * 2, u / 2 * 2)} << '\t' << int{features.gaps(cell)}
-              << '\t' << int{features.flat(cell)} << '\t' << int{features.blank(cell)} << '\t'
-              << int{features.rough(block)} << '\n';
+              << '\t' << int{features.blank(cell)} << '\t' << int{features.rough(block)} << '\n';
   }
 }
 

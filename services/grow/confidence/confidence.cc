@@ -32,8 +32,8 @@ ConfidenceEstimator::Judgement ConfidenceEstimator::Compute(const JudgedFrame& f
 void ConfidenceEstimator::Prepare(cv::Size size) {
   const cv::Size cells = CellsOf(size);
   const cv::Size blocks = BlocksOf(size);
-  for (cv::Mat1b* map : {&features_.step, &features_.bend, &features_.misfit, &features_.flat,
-                         &features_.margin, &features_.gaps, &features_.blank, &features_.edge}) {
+  for (cv::Mat1b* map : {&features_.step, &features_.bend, &features_.margin, &features_.gaps,
+                         &features_.blank, &features_.edge}) {
     map->create(cells);
   }
   features_.tof_seed.create(blocks);

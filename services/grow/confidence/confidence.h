@@ -27,7 +27,7 @@ struct JudgedFrame {
 ///   d − d_true ~ (1 − p) · N(0, σ²) + p · wide.                                           (C1)
 ///
 /// p, the probability of an error > 1 px, is logistic, and σ, which 68 % of the errors do not
-/// exceed, log-linear in curves of twelve features (README, C2 and C3), whose numbers
+/// exceed, log-linear in curves of ten features (README, C2 and C3), whose numbers
 /// scripts/tune_confidence fits to scenes with ground truth.
 class ConfidenceEstimator {
  public:

@@ -95,15 +95,14 @@ class CellMatcher {
         map_(filled),
         cells_(CellsOf(filled.size())),
         left_census_(static_cast<size_t>(left.cols)),
-        right_row_(static_cast<size_t>(right.cols + 2 * kReach)),
-        right_census_(right_row_.size()),
-        warped_(static_cast<size_t>(cells_.width)),
+        right_census_(static_cast<size_t>(right.cols + 2 * kReach)),
         words_(static_cast<size_t>(cells_.width)) {
     const auto size = static_cast<size_t>(cells_.width + 2 * kRadius);
-    for (auto* rows : {&differences_, &energies_, &textures_, &margins_, &counts_}) {
+    for (Rows* rows : {&margins_, &counts_}) {
       for (Ints& row : *rows) row.resize(size);
     }
-    for (Ints* sums : {&difference_, &energy_, &texture_, &margin_, &count_}) sums->resize(size);
+    margin_.resize(size);
+    count_.resize(size);
   }
 
   void Begin(int y) {
@@ -113,29 +112,17 @@ class CellMatcher {
   // @pre called for one row after the other.
   void WriteRow(int y, ConfidenceFeatures& features) {
     Match(y + kRadius);
-    AddRows(differences_, y, 1, difference_);
-    AddRows(energies_, y, 1, energy_);
-    AddRows(textures_, y, 1, texture_);
-    AddRows(margins_, y, kRadius, margin_);
-    AddRows(counts_, y, kRadius, count_);
-    uint8_t* HWY_RESTRICT misfits = features.misfit[y];
-    uint8_t* HWY_RESTRICT flats = features.flat[y];
+    AddRows(margins_, margin_);
+    AddRows(counts_, count_);
     uint8_t* HWY_RESTRICT margins = features.margin[y];
     uint8_t* HWY_RESTRICT gaps = features.gaps[y];
     uint8_t* HWY_RESTRICT blanks = features.blank[y];
-    const int32_t* HWY_RESTRICT difference = difference_.data() + kRadius;
-    const int32_t* HWY_RESTRICT energy = energy_.data() + kRadius;
-    const int32_t* HWY_RESTRICT texture = texture_.data() + kRadius;
     const int32_t* HWY_RESTRICT margin = margin_.data() + kRadius;
     const int32_t* HWY_RESTRICT count = count_.data() + kRadius;
     const auto all5 = [](const int32_t* row, int x) HWY_ATTR {
       return row[x - 2] + row[x - 1] + row[x] + row[x + 1] + row[x + 2];
     };
     for (int x = 0; x < cells_.width; ++x) {
-      const int off = difference[x - 1] + difference[x] + difference[x + 1];
-      const int all = energy[x - 1] + energy[x] + energy[x + 1];
-      misfits[x] = ToByte(255 + LevelOf(off + 1) - LevelOf(all + 1));
-      flats[x] = ToByte(kMaxTexture - LevelOf(texture[x - 1] + texture[x] + texture[x + 1] + 9));
       margins[x] = ToByte(128 - all5(margin, x));
       const int counts = kCountUnit * all5(count, x);
       gaps[x] = static_cast<uint8_t>(counts);
@@ -144,8 +131,7 @@ class CellMatcher {
   }
 
  private:
-  static constexpr int kRadius = 2;        // of the windows of margin, gaps and blank
-  static constexpr int kMaxTexture = 307;  // LevelOf(9 · 255²)
+  static constexpr int kRadius = 2;        // of the windows
   static constexpr int kCountUnit = 10;    // 255 / number of cells in the window, rounded down
   static constexpr int kBlank = 1 << 16;   // beside a gap, which counts 1
   static constexpr int kReach = 1024 + 8;  // as far as a disparity leads, and a census word
@@ -157,34 +143,22 @@ class CellMatcher {
     const int v = kCellPx * std::clamp(y, 0, cells_.height - 1);
     CensusOfRow(left_, v, left_census_.data());
     CensusOfRow(right_, v, right_census_.data() + kReach);
-    std::copy_n(right_[v], right_.cols, right_row_.data() + kReach);
     Warp(map_.counts()[v]);
     const auto place = static_cast<size_t>((y + kRadius) % (2 * kRadius + 1));
-    int32_t* HWY_RESTRICT difference = differences_[place].data() + kRadius;
-    int32_t* HWY_RESTRICT energy = energies_[place].data() + kRadius;
-    int32_t* HWY_RESTRICT texture = textures_[place].data() + kRadius;
     int32_t* HWY_RESTRICT margin = margins_[place].data() + kRadius;
     int32_t* HWY_RESTRICT count = counts_[place].data() + kRadius;
     const int16_t* HWY_RESTRICT grown = grown_.counts()[v];
     const uint8_t* HWY_RESTRICT left = left_[v];
     const uint8_t* HWY_RESTRICT census = left_census_.data();
-    const uint8_t* HWY_RESTRICT warped = warped_.data();
     const uint32_t* HWY_RESTRICT words = words_.data();
     for (int x = 0; x < cells_.width; ++x) {
-      const int l = left[2 * x];
-      const int r = warped[x];
-      difference[x] = (l - r) * (l - r);
-      energy[x] = l * l + r * r;
       count[x] = grown[2 * x] == DisparityImage::kInvalid ? 1 : 0;
     }
     for (int x = 1; x < cells_.width - 1; ++x) {
-      const int slope = left[2 * x + 1] - left[2 * x - 1];
-      texture[x] = slope * slope;
-      count[x] += slope == 0 ? kBlank : 0;
+      count[x] += left[2 * x + 1] == left[2 * x - 1] ? kBlank : 0;
     }
     for (const auto& [end, beside] : {std::pair(0, 1), {cells_.width - 1, cells_.width - 2}}) {
-      texture[end] = texture[beside];
-      count[end] = count[end] % kBlank + count[beside] / kBlank * kBlank;
+      count[end] += count[beside] / kBlank * kBlank;
     }
     for (int x = 0; x < cells_.width; ++x) {
       // Numbers of bits of three bytes at once.
@@ -197,7 +171,7 @@ class CellMatcher {
       const auto behind = static_cast<int32_t>(bits >> 16 & 15);
       margin[x] = std::min(before, behind) - here;
     }
-    for (int32_t* row : {difference, energy, texture, margin, count}) {
+    for (int32_t* row : {margin, count}) {
       for (int i = 1; i <= kRadius; ++i) {
         row[-i] = row[0];
         row[cells_.width - 1 + i] = row[cells_.width - 1];
@@ -205,35 +179,24 @@ class CellMatcher {
     }
   }
 
-  // The right image at u − d, and its census at u − d − 1, u − d and u − d + 1. Where there is no
-  // disparity it lies beyond the image.
+  // The right image's census at u − d − 1, u − d and u − d + 1. Where there is no disparity that
+  // lies beyond the image.
   void Warp(const int16_t* HWY_RESTRICT counts) {
-    const uint8_t* HWY_RESTRICT right = right_row_.data() + kReach;
     const uint8_t* HWY_RESTRICT census = right_census_.data() + kReach;
-    uint8_t* HWY_RESTRICT warped = warped_.data();
     uint32_t* HWY_RESTRICT words = words_.data();
     for (int x = 0; x < cells_.width; ++x) {
       constexpr int kCounts = DisparityImage::kCountsPerPixel;
       const int whole = (counts[2 * x] + kCounts / 2) >> 5;
       static_assert(kCounts == 1 << 5);
-      const int u = 2 * x - whole;
-      warped[x] = right[u];
-      const uint8_t* near = census + u;
+      const uint8_t* near = census + (2 * x - whole);
       words[x] = static_cast<uint32_t>(near[-1] | near[0] << 8 | near[1] << 16);
     }
   }
 
-  void AddRows(const Rows& rows, int y, int radius, Ints& sums) {
+  static void AddRows(const Rows& rows, Ints& sums) {
     int32_t* HWY_RESTRICT sum = sums.data();
-    const auto row = [&](int at) HWY_ATTR {
-      return rows[static_cast<size_t>((at + kRadius) % (2 * kRadius + 1))].data();
-    };
-    const auto count = static_cast<int>(sums.size());
-    std::copy_n(row(y), count, sum);
-    for (int i = 1; i <= radius; ++i) {
-      const int32_t* HWY_RESTRICT above = row(y - i);
-      const int32_t* HWY_RESTRICT below = row(y + i);
-      for (int x = 0; x < count; ++x) sum[x] += above[x] + below[x];
+    for (size_t x = 0; x < sums.size(); ++x) {
+      sum[x] = rows[0][x] + rows[1][x] + rows[2][x] + rows[3][x] + rows[4][x];
     }
   }
 
@@ -242,11 +205,10 @@ class CellMatcher {
   const DisparityImage& grown_;
   const DisparityImage& map_;
   const cv::Size cells_;
-  Bytes left_census_, right_row_, right_census_;  // rows; right ones with zeros on either side
-  Bytes warped_;                                  // of a row of cells
-  std::vector<uint32_t> words_;
-  Rows differences_, energies_, textures_, margins_, counts_;
-  Ints difference_, energy_, texture_, margin_, count_;  // their sums over rows
+  Bytes left_census_, right_census_;  // rows; the right one with zeros on either side
+  std::vector<uint32_t> words_;       // of a row of cells
+  Rows margins_, counts_;
+  Ints margin_, count_;  // their sums over rows
 };
 
 void MatchCellsOnTarget(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
@@ -293,8 +255,6 @@ void RateCellsOnTarget(const ConfidenceTables& tables, const ConfidenceFeatures&
     }
     const uint8_t* const step = features.step[y];
     const uint8_t* const bend = features.bend[y];
-    const uint8_t* const misfit = features.misfit[y];
-    const uint8_t* const flat = features.flat[y];
     const uint8_t* const margin = features.margin[y];
     const uint8_t* const gaps = features.gaps[y];
     const uint8_t* const blank = features.blank[y];
@@ -302,8 +262,7 @@ void RateCellsOnTarget(const ConfidenceTables& tables, const ConfidenceFeatures&
     const uint8_t* const prior = sigma_prior.empty() ? unknown.data() : sigma_prior[kCellPx * y];
     for (int x = 0; x < cells; ++x) {
       const uint32_t sum = seeds[static_cast<size_t>(x / 2)] + tables.step[step[x]] +
-                           tables.bend[bend[x]] + tables.misfit[misfit[x]] + tables.flat[flat[x]] +
-                           tables.margin[margin[x]] + tables.gaps[gaps[x]] +
+                           tables.bend[bend[x]] + tables.margin[margin[x]] + tables.gaps[gaps[x]] +
                            tables.blank[blank[x]] + tables.edge[edge[x]] +
                            tables.prior[prior[2 * x]];
       sure[static_cast<size_t>(x)] = tables.ConfidenceOf(sum);

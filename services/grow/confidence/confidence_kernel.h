@@ -25,10 +25,8 @@ inline cv::Size BlocksOf(cv::Size pixels) {
 /// the distance in thirds of a cell or block, at least 0: chamfer distances with the mask 3, 4
 /// (Borgefors, CVGIP 1986).
 struct ConfidenceFeatures {
-  cv::Mat1b step;    ///< cells: range of the disparities in 3×3 pixels, as LevelOf()
-  cv::Mat1b bend;    ///< cells: second differences of the disparities, as LevelOf()
-  cv::Mat1b misfit;  ///< cells: Σ(L − R)² / Σ(L² + R²), 255 = 1, 16 a factor of 2
-  cv::Mat1b flat;  ///< cells: what Σ(L(u + 1) − L(u − 1))² lacks of 255² each, 16 a factor of 2
+  cv::Mat1b step;      ///< cells: range of the disparities in 3×3 pixels, as LevelOf()
+  cv::Mat1b bend;      ///< cells: second differences of the disparities, as LevelOf()
   cv::Mat1b margin;    ///< cells: 128 − Σ margin of the census costs
   cv::Mat1b gaps;      ///< cells: 10 times the number of gaps in 5×5 cells
   cv::Mat1b blank;     ///< cells: 10 times the number, in 5×5 cells, with L(u + 1) = L(u − 1)
@@ -46,7 +44,7 @@ void FindSteps(const DisparityImage& filled, const cv::Range& rows, ConfidenceFe
 /// @param memory  two rows.
 void SpreadNearness(cv::Mat1b& marks, std::vector<uint8_t>& memory);
 
-/// Writes rows of cells of misfit, flat, margin, gaps and blank, images of the size CellsOf().
+/// Writes rows of cells of margin, gaps and blank, images of the size CellsOf().
 /// @param left, right, grown  of the map's size; grown: before gap filling.
 void MatchCells(const cv::Mat1b& left, const cv::Mat1b& right, const DisparityImage& grown,
                 const DisparityImage& filled, const cv::Range& rows, ConfidenceFeatures& features);

@@ -38,10 +38,6 @@ ConfidenceTables::Table& TableOf(Curve::Feature feature, ConfidenceTables& table
       return tables.step;
     case Curve::BEND:
       return tables.bend;
-    case Curve::MISFIT:
-      return tables.misfit;
-    case Curve::FLAT:
-      return tables.flat;
     case Curve::MARGIN:
       return tables.margin;
     case Curve::GAPS:

@@ -28,7 +28,7 @@ inline constexpr int kEdgeLevel = 81;
 /// (lower half, in 2⁻⁸). Sums are a pixel's log-odds and log₂ σ.
 struct ConfidenceTables {
   using Table = std::array<uint32_t, 256>;
-  Table step, bend, misfit, flat, margin, gaps, blank, edge, tof_seed, seed, prior, rough;
+  Table step, bend, margin, gaps, blank, edge, tof_seed, seed, prior, rough;
   uint32_t start = 0;  ///< a₀ and b₀ of (C2) and (C3), which every sum begins with
 
   // Least log-odds, in units of 2⁻⁴; no pixel is surer than log-odds of −16.

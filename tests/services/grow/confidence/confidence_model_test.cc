@@ -20,8 +20,8 @@ const std::string kFalling = "16,15,14,13,12,11,10,9,8,7,6,5,4,3,2,1,0";
 
 std::string ModelText(const std::string& step = CurveText("STEP", kRising)) {
   std::string text = "doubt: -1024\nspread: 256\n" + step + CurveText("EDGE", kFalling);
-  for (const char* feature : {"BEND", "MISFIT", "FLAT", "MARGIN", "GAPS", "BLANK", "TOF_SEED",
-                              "SEED", "PRIOR", "ROUGH"}) {
+  for (const char* feature :
+       {"BEND", "MARGIN", "GAPS", "BLANK", "TOF_SEED", "SEED", "PRIOR", "ROUGH"}) {
     text += CurveText(feature, kRising);
   }
   return text;
@@ -48,9 +48,8 @@ TEST(LevelOf, IsSixteenTimesTheLogarithmRoundedDown) {
 TEST(ConfidenceModel, TheOneThatShipsLoadsAndNoCurveHasTheWrongSign) {
   const ConfidenceTables tables =
       ParseConfidenceModel(kConfidenceModelText, "confidence_model.textproto");
-  for (const auto* table :
-       {&tables.step, &tables.bend, &tables.misfit, &tables.flat, &tables.margin, &tables.gaps,
-        &tables.blank, &tables.prior, &tables.rough}) {
+  for (const auto* table : {&tables.step, &tables.bend, &tables.margin, &tables.gaps, &tables.blank,
+                            &tables.prior, &tables.rough}) {
     for (size_t i = 1; i < table->size(); ++i) {
       ASSERT_LE((*table)[i - 1] >> 16, (*table)[i] >> 16);
       ASSERT_LE((*table)[i - 1] & 0xffff, (*table)[i] & 0xffff);
@@ -82,7 +81,7 @@ TEST(ConfidenceTables, AreProbabilityAndStandardDeviation) {
 
 TEST(ConfidenceModel, IsRefusedWithOneLineThatNamesWhatIsWrong) {
   EXPECT_EQ(ComplaintAbout(ModelText()), "no error");
-  EXPECT_THAT(ComplaintAbout(ModelText("")), HasSubstr("model: curves of 11 features; allowed"));
+  EXPECT_THAT(ComplaintAbout(ModelText("")), HasSubstr("model: curves of 9 features; allowed"));
   EXPECT_THAT(ComplaintAbout(ModelText() + CurveText("STEP", kRising)),
               HasSubstr("model: STEP: twice; allowed: once"));
   EXPECT_THAT(ComplaintAbout(ModelText(CurveText("STEP", "0, 1"))),
