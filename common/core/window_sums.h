@@ -46,6 +46,26 @@ double WindowCorrelation(const cv::Mat1b& left, const cv::Mat1b& right, cv::Poin
          std::sqrt(left_variance * right_variance);
 }
 
+/// Variance of white noise in the window of (2 · kRadius + 1)² px around a pixel, by Immerkær's
+/// operator (CVIU 1996), which surfaces and edges hardly pass: σ = √(π/2) / 6 · mean |I * N|.
+/// @pre the window and one pixel around it lie inside the image.
+template <int kRadius>
+double NoiseVariance(const cv::Mat1b& image, cv::Point at) {
+  int sum = 0;
+  for (int y = at.y - kRadius; y <= at.y + kRadius; ++y) {
+    const uint8_t* above = image[y - 1];
+    const uint8_t* row = image[y];
+    const uint8_t* below = image[y + 1];
+    for (int x = at.x - kRadius; x <= at.x + kRadius; ++x) {
+      sum += std::abs(above[x - 1] - 2 * above[x] + above[x + 1] - 2 * row[x - 1] + 4 * row[x] -
+                      2 * row[x + 1] + below[x - 1] - 2 * below[x] + below[x + 1]);
+    }
+  }
+  constexpr double kPixels = (2 * kRadius + 1) * (2 * kRadius + 1);
+  const double sigma = std::sqrt(CV_PI / 2) / 6 * sum / kPixels;
+  return sigma * sigma;
+}
+
 /// Whether a position lies more than the margin, px, inside the centres of an image's outermost
 /// pixels. With a margin of r − ½ the window of radius r around the rounded position lies in the
 /// image. False for NaN and positions far outside, so check before converting to a pixel.

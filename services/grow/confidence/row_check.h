@@ -18,14 +18,16 @@ struct RowCheck {
   double columns_px = 0;  ///< how far columns may be off, as rows are; 0: not significantly
 };
 
-/// Asks at one corner of each of 20×15 parts of the picture. Those with more range points than
-/// matches of stereo are left out: there the map depends on the ranges, whatever the pair.
+/// Asks at one corner of each of those of 20×15 parts of the picture where, with the parts beside,
+/// range points are more than matches of stereo, so that the map depends on the ranges, whatever
+/// the pair; or of the others.
 /// @param confidence  of the filled map, 255 · (1 − p).
-/// At most 1 ms on one core. No I/O; on OpenCV's threads, with the same result for any number.
-RowCheck CheckRows(const JudgedFrame& frame, const cv::Mat1b& confidence);
+/// @param origin      of the seeds that are more.
+/// At most 1 ms on one core for both. No I/O; on OpenCV's threads, with the same result for any
+/// number.
+RowCheck CheckRows(const JudgedFrame& frame, const cv::Mat1b& confidence, SeedOrigin origin);
 
-/// Bounds confidence and standard deviations by CheckRows(), eq. (C4) of the README, in the parts
-/// that were asked.
+/// Bounds confidence and standard deviations by CheckRows(), eqs. (C4) and (C5) of the README.
 /// @returns what was found, one line; empty: nothing, and all stays. O(pixels) where something is.
 std::string BoundByRows(const JudgedFrame& frame, ConfidenceEstimator::Judgement& judgement);
 

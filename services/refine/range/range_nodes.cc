@@ -31,27 +31,6 @@ float TextureAt(const cv::Mat1b& left, const Seed& seed) {
   return static_cast<float>(1 + sum);
 }
 
-// Variance of white noise by Immerkaer's operator (CVIU 1996), which surfaces and edges hardly
-// pass: σ = √(π/2) / 6 · mean |I * N|. @pre the window lies in the image.
-double NoiseAt(const cv::Mat1b& left, const cv::Point2d& at) {
-  constexpr int kReach = RangeRules::kWindowRadius - 1;
-  const int u = static_cast<int>(std::lround(at.x));
-  const int v = static_cast<int>(std::lround(at.y));
-  int sum = 0;
-  for (int y = v - kReach; y <= v + kReach; ++y) {
-    const uint8_t* above = left[y - 1];
-    const uint8_t* row = left[y];
-    const uint8_t* below = left[y + 1];
-    for (int x = u - kReach; x <= u + kReach; ++x) {
-      sum += std::abs(above[x - 1] - 2 * above[x] + above[x + 1] - 2 * row[x - 1] + 4 * row[x] -
-                      2 * row[x + 1] + below[x - 1] - 2 * below[x] + below[x + 1]);
-    }
-  }
-  constexpr double kPixels = (2 * kReach + 1) * (2 * kReach + 1);
-  const double sigma = std::sqrt(CV_PI / 2) / 6 * sum / kPixels;
-  return sigma * sigma;
-}
-
 }  // namespace
 
 float DistinctnessOf(const OffsetCosts& costs) {
@@ -74,7 +53,9 @@ void RangeNodes::Compare(const cv::Mat1b& left, const cv::Mat1b& right) {
     known[i] = moments.has_value() ? 1 : 0;
     if (!moments) return;
     node.moments = *moments;
-    node.noise = NoiseAt(left, node.at);
+    const cv::Point at(static_cast<int>(std::lround(node.at.x)),
+                       static_cast<int>(std::lround(node.at.y)));
+    node.noise = NoiseVariance<RangeRules::kWindowRadius - 1>(left, at);
   });
   size_t kept = 0;
   for (size_t i = 0; i < nodes_.size(); ++i) {

@@ -26,6 +26,18 @@ TEST(SumWindows, HasRoomForTheLargestWindowsOfWhite) {
   EXPECT_EQ(sums.left, 181 * 181 * 255);
 }
 
+TEST(NoiseVariance, IsThatOfTheNoiseOnASlope) {
+  cv::Mat1s slope(70, 70);
+  for (int v = 0; v < slope.rows; ++v) {
+    for (int u = 0; u < slope.cols; ++u) slope(v, u) = static_cast<int16_t>(2 * u + v);
+  }
+  const cv::Point middle(35, 35);
+  EXPECT_EQ(NoiseVariance<30>(cv::Mat1b(slope), middle), 0);
+  cv::Mat1s noise(slope.size());
+  cv::RNG(1).fill(noise, cv::RNG::NORMAL, 0, 6);
+  EXPECT_NEAR(NoiseVariance<30>(cv::Mat1b(slope + noise), middle), 36, 4);
+}
+
 TEST(IsInside, IsTrueWhereARoundedPositionHasItsWindowInTheImage) {
   const cv::Size size(20, 10);
   for (double v = -3; v < 13; v += 0.25) {

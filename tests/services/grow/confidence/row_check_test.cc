@@ -41,7 +41,17 @@ struct Wall {
     return {cv::Mat1b(kWallSize, uint8_t{200}), cv::Mat1b(kWallSize, uint8_t{4})};
   }
   JudgedFrame Frame() const { return {left, right, seeds, sigma_prior, map, map}; }
-  RowCheck Check() const { return CheckRows(Frame(), Claimed().confidence); }
+  RowCheck Check() const { return CheckRows(Frame(), Claimed().confidence, SeedOrigin::kStereo); }
+  // Range points every 10 px, from a column on, where the map has them.
+  void AddRanges(int from) {
+    for (int v = 0; v < kWallSize.height; v += 10) {
+      for (int u = from; u < kWallSize.width; u += 10) {
+        const auto column = static_cast<float>(u);
+        const auto row = static_cast<float>(v);
+        seeds.push_back({.u = column, .v = row, .u_right = column - map.Px(u, v)});
+      }
+    }
+  }
 };
 
 TEST(RowCheck, SaysNothingOfAMapThatIsRight) {
@@ -96,15 +106,42 @@ TEST(RowCheck, BelievesNothingOfAnotherScene) {
   EXPECT_LT(judged.confidence(100, 100), 0.25 * 255);
 }
 
-TEST(RowCheck, LeavesWhatRangesShow) {
+// Ranges of another scene beside a pair that does not fit, so that nothing else finds them wrong.
+TEST(RowCheck, BelievesNoRangesThatTheImagesShowNowhere) {
+  Wall wall;
+  wall.map.counts().colRange(kWallSize.width / 2, kWallSize.width) = ToCounts(kWallPx + 7);
+  wall.AddRanges(kWallSize.width / 2);
+  wall.Turn(0.8, 1);
+  auto judged = wall.Claimed();
+  EXPECT_THAT(BoundByRows(wall.Frame(), judged), testing::HasSubstr("depends on ranges"));
+  EXPECT_LT(judged.confidence(100, 400), 0.3 * 255);
+}
+
+TEST(RowCheck, BelievesRangesThatTheImagesShowOnOtherRows) {
+  Wall wall;
+  wall.AddRanges(0);
+  wall.Turn(0.8, 1, 3);
+  auto judged = wall.Claimed();
+  EXPECT_EQ(BoundByRows(wall.Frame(), judged), "");
+  EXPECT_EQ(judged.confidence(100, 300), 200);
+}
+
+// The right camera has another moment of the same noise, so that hardly any corner matches.
+TEST(RowCheck, LeavesRangesWhereNoiseIsAllThatImagesShow) {
+  Wall wall;
+  wall.AddRanges(0);
+  for (cv::Mat1b* image : {&wall.left, &wall.right}) {
+    cv::RNG(image == &wall.left ? 1 : 2).fill(*image, cv::RNG::NORMAL, 128, 20);
+  }
+  auto judged = wall.Claimed();
+  EXPECT_EQ(BoundByRows(wall.Frame(), judged), "");
+}
+
+TEST(RowCheck, LeavesRangesWhereImagesShowNothing) {
   Wall wall;
   wall.right = RandomImage(2);
-  for (int v = 0; v < kWallSize.height; v += 10) {
-    for (int u = kWallSize.width / 2; u < kWallSize.width; u += 10) {
-      const auto column = static_cast<float>(u);
-      wall.seeds.push_back({.u = column, .v = static_cast<float>(v), .u_right = column - 20});
-    }
-  }
+  wall.left.colRange(kWallSize.width / 2, kWallSize.width) = uint8_t{128};
+  wall.AddRanges(kWallSize.width / 2);
   auto judged = wall.Claimed();
   EXPECT_NE(BoundByRows(wall.Frame(), judged), "");
   EXPECT_LT(judged.confidence(100, 100), 0.25 * 255);
