@@ -1,6 +1,7 @@
 #include "services/refine/range/range_nodes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -31,6 +32,46 @@ float TextureAt(const cv::Mat1b& left, const Seed& seed) {
   return static_cast<float>(1 + sum);
 }
 
+// Whether hardly any grey level differs from its neighbour: compression leaves of a plain surface
+// the borders of blocks, which lie on the same columns in both images, wherever the surface is.
+bool IsBlank(const cv::Mat1b& image, cv::Point at) {
+  constexpr int kReach = RangeRules::kWindowRadius;
+  int same = 0;
+  for (int v = at.y - kReach; v <= at.y + kReach; ++v) {
+    const uint8_t* row = image[v];
+    for (int u = at.x - kReach; u < at.x + kReach; ++u) same += row[u] == row[u + 1] ? 1 : 0;
+  }
+  constexpr int kPairs = (2 * kReach + 1) * 2 * kReach;
+  return same > RangeRules::kBlankShare * kPairs;
+}
+
+// By how much squared steps of grey between two columns are larger on the border of JPEG's blocks
+// of 8×8 px than elsewhere; 0 where no border stands out.
+double BlockVariance(const cv::Mat1b& image) {
+  constexpr size_t kBlock = 8;
+  constexpr int kMaxStep = 4;  // larger ones are of the scene
+  constexpr int kRowStep = 3;
+  std::array<int64_t, kBlock> squares{};
+  std::array<int64_t, kBlock> counts{};
+  for (int v = 0; v < image.rows; v += kRowStep) {
+    const uint8_t* row = image[v];
+    for (int u = 0; u + 1 < image.cols; ++u) {
+      const int step = std::min(std::abs(row[u + 1] - row[u]), kMaxStep);
+      squares[static_cast<size_t>(u) % kBlock] += step * step;
+      ++counts[static_cast<size_t>(u) % kBlock];
+    }
+  }
+  double sum = 0;
+  double most = 0;
+  for (size_t k = 0; k < kBlock; ++k) {
+    const double mean = static_cast<double>(squares[k]) / static_cast<double>(counts[k] + 1);
+    sum += mean;
+    most = std::max(most, mean);
+  }
+  const double others = (sum - most) / (kBlock - 1);
+  return most > RangeRules::kBlockGain * others ? most - others : 0;
+}
+
 }  // namespace
 
 float DistinctnessOf(const OffsetCosts& costs) {
@@ -56,6 +97,7 @@ void RangeNodes::Compare(const cv::Mat1b& left, const cv::Mat1b& right) {
     const cv::Point at(static_cast<int>(std::lround(node.at.x)),
                        static_cast<int>(std::lround(node.at.y)));
     node.noise = NoiseVariance<RangeRules::kWindowRadius - 1>(left, at);
+    if (IsBlank(left, at)) known[i] = 0;
   });
   size_t kept = 0;
   for (size_t i = 0; i < nodes_.size(); ++i) {
@@ -68,6 +110,7 @@ void RangeNodes::Compare(const cv::Mat1b& left, const cv::Mat1b& right) {
   variances.reserve(nodes_.size());
   for (const RangeNode& node : nodes_) variances.push_back(static_cast<float>(node.noise));
   noise_ = std::max(noise_, double{Quantile(variances, RangeRules::kNoiseQuantile)});
+  noise_ += RangeRules::kBlockNoise * BlockVariance(left);
   ForEachParallel(nodes_.size(), [&](size_t i) { SetCosts(nodes_[i]); });
 }
 

@@ -17,6 +17,13 @@ struct RangeRules {
   static constexpr double OffsetPx(int label) { return label - kZeroLabel; }
   /// Least variance of the noise of grey values, grey levels²: that of whole numbers.
   static constexpr double kMinNoise = 1.0 / 12;
+  /// Equal neighbours, of all in a window, that show nothing; of noise of 0.5 grey levels it is
+  /// 0.58.
+  static constexpr double kBlankShare = 0.75;
+  /// Images were JPEG if steps at the borders of blocks are that much larger than others, squared
+  /// (quality 90: 2); by their difference their noise is larger.
+  static constexpr double kBlockGain = 1.1;
+  static constexpr double kBlockNoise = 3;
   /// Quantile of the nodes' noise that is that of the camera; fine texture adds to others.
   static constexpr double kNoiseQuantile = 0.1;
   /// A smaller likeness counts as this: the tail of an M-estimator.

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "services/refine/findings.h"
 #include "services/refine/refiner.h"
@@ -122,6 +124,26 @@ TEST(RangeBias, FollowsWhatTheSceneAddsWhereTextureIsWeak) {
       [&](const cv::Point2d& at, double depth_m) { return Bumped(wall.rig.pair, at, depth_m); });
   EXPECT_LT(ShareWithin(wall.Refine(RefineConfig::OFF), 0.75), 0.92);
   EXPECT_GT(ShareWithin(wall.Refine(RefineConfig::FIELD), 0.75), 0.97);
+}
+
+// Borders of JPEG's blocks lie on the same columns in both images, as if a plain wall's disparity
+// were a multiple of 8 px.
+TEST(RangeBias, LeavesARightSensorAloneBesidePlainWallsInJpeg) {
+  Wall wall;
+  const cv::Mat1b texture = wall.left.rowRange(250, kWallSize.height).clone();
+  for (int v = 0; v < kWallSize.height; ++v) {
+    for (int u = 0; u < kWallSize.width; ++u) {
+      wall.left(v, u) = cv::saturate_cast<uint8_t>(150 + 30 * std::sin(u / 60.0) + 0.1 * v);
+    }
+  }
+  texture.copyTo(wall.left.rowRange(250, kWallSize.height));
+  wall.ShowOnTheRight();
+  for (cv::Mat1b* image : {&wall.left, &wall.right}) {
+    std::vector<uchar> bytes;
+    cv::imencode(".jpg", *image, bytes, {cv::IMWRITE_JPEG_QUALITY, 50});
+    *image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+  }
+  EXPECT_GT(ShareWithin(wall.Refine(RefineConfig::FIELD), 0.25), 0.99);
 }
 
 TEST(RangeBias, SaysWhichShareOfThePointsWasMovedFar) {
