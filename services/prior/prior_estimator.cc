@@ -113,7 +113,6 @@ struct PriorEstimator::Memory {
   cv::Mat1b right_grey;
   EdgeImages images;
   EdgeLabels labels;
-  MedianFilter median;
   DisparityImage unfiltered;
   PriorMap result;
 };
@@ -192,7 +191,7 @@ Result<PriorMap> PriorEstimator::WithEdges(const cv::Mat& left, const cv::Mat1b&
   if (AreNoisy(seeds, config_)) {  // single pixels that were decided otherwise than those around
     std::swap(result.disparity, memory_->unfiltered);
     Renew(result.disparity, size);
-    memory_->median.Apply(memory_->unfiltered.counts(), result.disparity.counts());
+    FilterByMedian(memory_->unfiltered.counts(), result.disparity.counts());
   }
   return result;
 }

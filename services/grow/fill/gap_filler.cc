@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "common/core/median.h"
 #include "common/core/parallel.h"
 
 namespace sprout::grow {
@@ -49,7 +50,7 @@ DisparityImage GapFiller::Fill(const DisparityImage& map, GrowConfig::Fill fill,
     Renew(other_, map.size());
     FillFrom(prior, map, other_);
   }
-  median_.Apply(has_prior ? other_.counts() : map.counts(), filled_.counts());
+  FilterByMedian(has_prior ? other_.counts() : map.counts(), filled_.counts());
   return filled_;
 }
 

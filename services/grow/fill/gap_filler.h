@@ -2,7 +2,6 @@
 
 #include "common/config/config.h"
 #include "common/core/disparity_image.h"
-#include "common/core/median.h"
 
 namespace sprout::grow {
 
@@ -23,7 +22,6 @@ class GapFiller {
 
  private:
   DisparityImage filled_, other_;
-  MedianFilter median_;
 };
 
 /// Pixels of a row that are filled at once.
