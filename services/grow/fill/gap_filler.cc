@@ -8,18 +8,6 @@
 namespace sprout::grow {
 namespace {
 
-// Every gap takes the median of its window in the map as it was.
-void FillFromWindows(const DisparityImage& from, DisparityImage& to) {
-  ForEachParallel(static_cast<size_t>(from.height()), [&](size_t row) {
-    const int v = static_cast<int>(row);
-    FilledPixels pixels;
-    for (int u = 0; u < from.width(); u += kFillColumns) {
-      FillPixels(from, v, u, pixels);
-      std::copy_n(pixels.begin(), std::min(kFillColumns, from.width() - u), &to.counts()(v, u));
-    }
-  });
-}
-
 // The build asks the compiler to make vectors of the loop along a row.
 void FillFrom(const DisparityImage& prior, const DisparityImage& from, DisparityImage& to) {
   ForEachParallel(static_cast<size_t>(from.height()), [&](size_t row) {
@@ -42,7 +30,7 @@ DisparityImage GapFiller::Fill(const DisparityImage& map, GrowConfig::Fill fill,
   if (fill == GrowConfig::NONE || map.empty()) return map;
   Renew(filled_, map.size());
   if (fill != GrowConfig::PRIOR) {
-    FillFromWindows(map, filled_);
+    FillByMedian(map, filled_);
     return filled_;
   }
   const bool has_prior = prior.size() == map.size();
