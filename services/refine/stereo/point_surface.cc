@@ -176,11 +176,12 @@ double PointSurface::SigmaPx(cv::Point cell) const {
   const double beyond = Square(StereoRules::kBeyondPerPx) * nearest_px2;
   if (sectors < 3) return std::sqrt(variance + beyond);
   if (sectors == 3) variance += beyond / 4;
+  const double disparity = DisparityAtOrigin(plane);
   double disagreement = 0;
   for_each([&](int index, const cv::Point2d& off, double weight) {
     const cv::Point2d& slope = slopes_[static_cast<size_t>(index)];
     const double here = SeedOf(index).disparity() - slope.x * off.x - slope.y * off.y;
-    disagreement += weight * Square(here - DisparityAtOrigin(plane));
+    disagreement += weight * Square(here - disparity);
   });
   return std::sqrt(variance + disagreement / weights);
 }

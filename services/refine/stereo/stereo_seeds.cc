@@ -92,13 +92,14 @@ void StereoSeedFinder::FindUncovered(const CellGrid& grid, std::span<const Seed>
   uncovered_ = 1 - uncovered_;
   // Cells for which a match could hardly be surer than the points around are left out, too.
   points_.Set(seeds, grid, uncovered_);
-  for (int y = 0; y < grid.size.height; ++y) {
+  ForEachParallel(static_cast<size_t>(grid.size.height), [&](size_t row) {
+    const int y = static_cast<int>(row);
     for (int x = 0; x < grid.size.width; ++x) {
       uint8_t& uncovered = uncovered_(y, x);
       if (uncovered != 0 && points_.SigmaPx({x, y}) <= StereoRules::kAskedSigmaPx * scale)
         uncovered = 0;
     }
-  }
+  });
 }
 
 void StereoSeedFinder::MarkWanted(const CellGrid& grid, cv::Size size, int settle_cells) {
