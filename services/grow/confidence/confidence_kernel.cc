@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cstdint>
+#include <cstring>
 #include <utility>
 
 #include "common/core/census.h"
@@ -62,6 +65,7 @@ void WriteBends(const DisparityImage& map, int y, int cells, uint8_t* HWY_RESTRI
 void FindStepsOnTarget(const DisparityImage& filled, const cv::Range& rows,
                        ConfidenceFeatures& features) {
   const int width = filled.width();
+  const int cells = features.step.cols;
   const auto size = static_cast<size_t>(width + 2);
   std::vector<int16_t> memory(3 * size);
   int16_t* HWY_RESTRICT most = memory.data();
@@ -76,11 +80,11 @@ void FindStepsOnTarget(const DisparityImage& filled, const cv::Range& rows,
     }
     uint8_t* HWY_RESTRICT steps = features.step[y];
     uint8_t* HWY_RESTRICT edges = features.edge[y];
-    for (int x = 0; x < features.step.cols; ++x) {
+    for (int x = 0; x < cells; ++x) {
       steps[x] = ToByte(LevelOf(range[kCellPx * x] + 1));
       edges[x] = steps[x] >= kEdgeLevel ? 255 : 0;
     }
-    WriteBends(filled, y, features.bend.cols, features.bend[y]);
+    WriteBends(filled, y, cells, features.bend[y]);
   }
 }
 
@@ -122,8 +126,12 @@ class CellMatcher {
     const auto all5 = [](const int32_t* row, int x) HWY_ATTR {
       return row[x - 2] + row[x - 1] + row[x] + row[x + 1] + row[x + 2];
     };
-    for (int x = 0; x < cells_.width; ++x) {
+    // A loop without a fixed end does not become vectors.
+    const int cells = cells_.width;
+    for (int x = 0; x < cells; ++x) {
       margins[x] = ToByte(128 - all5(margin, x));
+    }
+    for (int x = 0; x < cells; ++x) {
       const int counts = kCountUnit * all5(count, x);
       gaps[x] = static_cast<uint8_t>(counts);
       blanks[x] = static_cast<uint8_t>(counts / kBlank);
@@ -151,17 +159,18 @@ class CellMatcher {
     const uint8_t* HWY_RESTRICT left = left_[v];
     const uint8_t* HWY_RESTRICT census = left_census_.data();
     const uint32_t* HWY_RESTRICT words = words_.data();
-    for (int x = 0; x < cells_.width; ++x) {
+    const int cells = cells_.width;
+    for (int x = 0; x < cells; ++x) {
       count[x] = grown[2 * x] == DisparityImage::kInvalid ? 1 : 0;
     }
-    for (int x = 1; x < cells_.width - 1; ++x) {
+    for (int x = 1; x < cells - 1; ++x) {
       count[x] += left[2 * x + 1] == left[2 * x - 1] ? kBlank : 0;
     }
-    for (const auto& [end, beside] : {std::pair(0, 1), {cells_.width - 1, cells_.width - 2}}) {
+    for (const auto& [end, beside] : {std::pair(0, 1), {cells - 1, cells - 2}}) {
       count[end] += count[beside] / kBlank * kBlank;
     }
-    for (int x = 0; x < cells_.width; ++x) {
-      // Numbers of bits of three bytes at once.
+    for (int x = 0; x < cells; ++x) {
+      // Numbers of bits of three bytes at once; none of the fourth come into them.
       uint32_t bits = words[x] ^ (census[2 * x] * 0x010101U);
       bits -= bits >> 1 & 0x555555U;
       bits = (bits & 0x333333U) + (bits >> 2 & 0x333333U);
@@ -174,7 +183,7 @@ class CellMatcher {
     for (int32_t* row : {margin, count}) {
       for (int i = 1; i <= kRadius; ++i) {
         row[-i] = row[0];
-        row[cells_.width - 1 + i] = row[cells_.width - 1];
+        row[cells - 1 + i] = row[cells - 1];
       }
     }
   }
@@ -188,8 +197,9 @@ class CellMatcher {
       constexpr int kCounts = DisparityImage::kCountsPerPixel;
       const int whole = (counts[2 * x] + kCounts / 2) >> 5;
       static_assert(kCounts == 1 << 5);
-      const uint8_t* near = census + (2 * x - whole);
-      words[x] = static_cast<uint32_t>(near[-1] | near[0] << 8 | near[1] << 16);
+      static_assert(std::endian::native == std::endian::little);
+      // The fourth byte does not count.
+      std::memcpy(&words[x], census + 2 * x - whole - 1, sizeof(words[x]));
     }
   }
 
