@@ -105,7 +105,8 @@ void SearchAround(const cv::Mat1s& coarser, const cv::Mat1b& wanted, cv::Mat1s& 
         const uint8_t* const is_wanted = wanted[y];
         int16_t* const to = first[y];
         for (int u = 0; u < wanted.cols; ++u) {
-          to[u] = is_wanted[u] != 0 ? ranges[u] : StereoSearch::kNowhere;
+          const int16_t range = ranges[u];  // read before it is asked for: no branch
+          to[u] = is_wanted[u] != 0 ? range : StereoSearch::kNowhere;
         }
       }
     }
@@ -131,7 +132,8 @@ void RemoveSmallPatches(cv::Mat1f disparity_px) {
   };
   for_each_row([&](const float* px, int16_t* row) {
     for (int u = 0; u < counts.cols; ++u) {
-      const float known = px[u] >= 0 ? px[u] * kCountsPerPx + 0.5F : float{kNone};
+      // Not a number: the first. No branch, which could not be foreseen.
+      const float known = std::max(float{kNone}, px[u] * kCountsPerPx + 0.5F);
       row[u] = static_cast<int16_t>(static_cast<int>(known));
     }
   });
