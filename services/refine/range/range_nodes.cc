@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "common/core/parallel.h"
@@ -75,10 +76,16 @@ double BlockVariance(const cv::Mat1b& image) {
 }  // namespace
 
 float DistinctnessOf(const OffsetCosts& costs) {
-  OffsetCosts sorted = costs;
-  const auto median = sorted.begin() + RangeRules::kLabels / 2;
-  std::nth_element(sorted.begin(), median, sorted.end());
-  return std::clamp(*median - *std::min_element(sorted.begin(), median), 0.0F, 1.0F);
+  // The median is the greatest cost with at most half of all below it: no branch to be foreseen.
+  float median = -std::numeric_limits<float>::infinity();
+  float least = -median;
+  for (const float cost : costs) {
+    int less = 0;
+    for (const float other : costs) less += other < cost ? 1 : 0;
+    least = std::min(least, cost);
+    median = std::max(median, less <= RangeRules::kLabels / 2 ? cost : median);
+  }
+  return std::clamp(median - least, 0.0F, 1.0F);
 }
 
 bool ShareSurface(const RangeNode& a, const RangeNode& b) {
