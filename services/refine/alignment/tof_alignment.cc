@@ -29,7 +29,7 @@ inline float Misfit(const uint8_t* row, float last_column, float column, float g
   const float part = column - static_cast<float>(whole);
   const auto at = static_cast<float>(row[whole]);
   const float there = at + part * (static_cast<float>(row[whole + 1]) - at);
-  return std::min(std::abs(there - grey), Rules::kMaxMisfit) / Rules::kMaxMisfit;
+  return std::min(std::abs(there - grey) / Rules::kMaxMisfit, 1.0F);
 }
 
 // Calls look(u, v) for the pixels at a place of the normal, along the tangent.
