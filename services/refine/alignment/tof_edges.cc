@@ -1,9 +1,11 @@
 #include "services/refine/alignment/tof_edges.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
+#include "common/core/parallel.h"
 #include "services/refine/alignment/alignment_rules.h"
 
 namespace sprout::refine {
@@ -210,13 +212,17 @@ std::span<const TofEdge> TofEdgeFinder::Find(std::span<const ProjectedPoint> poi
   const View view{.projector = projector};
   SetImage(points, tof, view.camera);
   if (!(std::abs(view.image_from_tof.determinant()) > 0)) return edges_;  // it looks across
-  for (const ProjectedPoint& point : points) {
-    for (const Direction direction : {Direction{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
-      if (const std::optional<TofEdge> edge = EdgeAt(point, direction, view, least_px)) {
-        edges_.push_back(*edge);
+  std::array<std::vector<TofEdge>, 16> parts;
+  ForEachParallel(parts.size(), [&](size_t k) {
+    const size_t end = points.size() * (k + 1) / parts.size();
+    for (size_t i = points.size() * k / parts.size(); i < end; ++i) {
+      for (const Direction direction : {Direction{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+        const std::optional<TofEdge> edge = EdgeAt(points[i], direction, view, least_px);
+        if (edge) parts[k].push_back(*edge);
       }
     }
-  }
+  });
+  for (const auto& part : parts) edges_.insert(edges_.end(), part.begin(), part.end());
   return edges_;
 }
 
