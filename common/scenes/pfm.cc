@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "common/config/required.h"
 #include "common/core/depth_of_counts.h"
@@ -52,6 +53,18 @@ bool IsPfm(const std::filesystem::path& path) {
   if (!IsFile(path)) return false;  // a pipe would wait
   std::ifstream(path, std::ios::binary).read(magic.data(), magic.size());
   return magic[0] == 'P' && (magic[1] == 'f' || magic[1] == 'F');
+}
+
+// The pixels of a grey image that was saved in colour, 0 where alpha is; others stay as they are.
+cv::Mat GreyOf(const cv::Mat& image) {
+  std::vector<cv::Mat> planes;
+  cv::split(image, planes);
+  const bool is_grey = cv::countNonZero((planes[0] != planes[1]) | (planes[0] != planes[2])) == 0;
+  const bool is_mask =
+      planes.size() == 3 || cv::countNonZero((planes[3] != 0) & (planes[3] != 65535)) == 0;
+  if (!is_grey || !is_mask) return image;
+  if (planes.size() == 4) planes[0].setTo(0, planes[3] == 0);
+  return planes[0];
 }
 
 }  // namespace
@@ -130,6 +143,7 @@ Result<cv::Mat1f> ReadRangeFile(const std::filesystem::path& path, std::optional
     if (!decoded) return tl::unexpected(decoded.error());
     image = std::move(*decoded);
   }
+  if (image.depth() == CV_16U && image.channels() >= 3) image = GreyOf(image);
   if (image.type() == CV_16UC1) {
     return DepthOfCounts(image, unit_m.value_or(kMetresPerMillimetre));
   }

@@ -104,6 +104,35 @@ TEST_F(FilesRanges, HaveNoReturnWhere65535Is) {
   EXPECT_GT(Right(depth), 90);
 }
 
+// As programs save grey with alpha, and OpenCV reads it.
+TEST_F(FilesRanges, OfGreyInColourAreThoseOfGrey) {
+  const cv::Mat1w grey = RangePicture(1000);
+  cv::Mat1w masked = grey.clone();
+  masked(cv::Rect(0, 0, 48, 72)).setTo(0);
+  cv::Mat1w alpha(grey.size(), 65535);
+  alpha.setTo(0, masked == 0);
+  const auto depth_of = [&](const std::vector<cv::Mat>& planes) {
+    cv::Mat image;
+    cv::merge(planes, image);
+    options_.tof = Write("tof.png", image);
+    EXPECT_EQ(Run(), 0) << err_;
+    return Depth();
+  };
+  const cv::Mat1f depth = depth_of({masked});
+  for (const cv::Mat1f& other :
+       {depth_of({grey, grey, grey, alpha}), depth_of({masked, masked, masked})}) {
+    EXPECT_EQ(cv::countNonZero(depth != other), cv::countNonZero(depth != depth));
+  }
+  for (const std::vector<cv::Mat>& planes :
+       {std::vector<cv::Mat>{grey, grey, masked}, {grey, grey, grey, alpha / 2}}) {
+    cv::Mat image;
+    cv::merge(planes, image);
+    options_.tof = Write("tof.png", image);
+    EXPECT_EQ(Run(), 1);
+    EXPECT_THAT(err_, HasSubstr("allowed: one channel of 16 bits"));
+  }
+}
+
 TEST_F(FilesRanges, OfACameraBesideTheLeftOneAreWhereItsRigFileSays) {
   // Half the resolution, 0.05 m to the right, its own principal point.
   constexpr double kTofFocalPx = 40;
