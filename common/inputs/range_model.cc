@@ -244,7 +244,7 @@ Agreement BestMisread(const Comparison& comparison, std::span<const RangePixel> 
     hypothesis.factor *= BestFactor(comparison.Compare(pixels, hypothesis).logs);
   }
   Agreement best = comparison.Compare(pixels, hypothesis);
-  for (const Reading reading : {Reading::kAlongRay, Reading::kOtherBytes}) {
+  for (const Reading reading : {Reading::kAlongRay, Reading::kOtherBytes, Reading::kWithFlags}) {
     Agreement misread = comparison.Compare(pixels, {.reading = reading});
     if (misread.agreeing > best.agreeing) best = std::move(misread);
   }

@@ -14,6 +14,8 @@ double DepthOf(Reading reading, float number, const Eigen::Vector3d& ray) {
       const auto mm = std::lround(std::fmod(1000.0 * number, 65536));
       return static_cast<double>((mm & 255) << 8 | mm >> 8) / 1000;
     }
+    case Reading::kWithFlags:
+      return static_cast<double>(std::lround(std::fmod(1000.0 * number, 65536)) & 0x1fff) / 1000;
     case Reading::kDepth:
       break;
   }
@@ -31,6 +33,10 @@ const char* TextOf(Reading reading) {
     case Reading::kOtherBytes:
       return "the bytes of the ranges are in the other order (swapped {:.0f} % of them agree with "
              "stereo): PNG has the high byte first";
+    case Reading::kWithFlags:
+      return "the ranges are mm in the lower 13 bits (without the others {:.0f} % of them agree "
+             "with "
+             "stereo): is their confidence in the upper three (Android's DEPTH16)? give mm alone";
     case Reading::kDepth:
       break;
   }

@@ -11,6 +11,7 @@ enum class Reading : int8_t {
   kInverse,     ///< disparities, or one over depths
   kAlongRay,    ///< distances from the sensor, which are larger beside its axis
   kOtherBytes,  ///< mm of 16 bits, the low byte taken for the high one
+  kWithFlags,   ///< mm in the lower 13 bits, the confidence above them (Android's DEPTH16)
 };
 
 /// The depth of a number that is read so, of kInverse in an unknown unit.

@@ -94,6 +94,14 @@ TEST(CheckInputs, NamesRangesWhoseBytesAreInTheOtherOrder) {
   ExpectBad(parts, Question::kScale, "bytes of the ranges are in the other order");
 }
 
+TEST(CheckInputs, NamesRangesWithTheirConfidenceInTheUpperBits) {
+  Parts parts = SceneOf();
+  for (int y = 0; y < parts.tof.depth_m.rows; ++y) {
+    for (float& depth : parts.tof.depth_m.row(y)) depth += 8.192F * static_cast<float>(y / 8 % 8);
+  }
+  ExpectBad(parts, Question::kScale, "confidence in the upper three");
+}
+
 TEST(CheckInputs, NamesRangesWithoutDecimals) {
   // The scene with everything five times as far.
   Parts parts = SceneOf();
