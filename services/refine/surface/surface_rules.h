@@ -147,7 +147,7 @@ struct SurfaceRules {
   static constexpr double kNoise = 2e-4;
   /// Smallest side of the cells for looking up points, px. It affects time and, where points crowd,
   /// how many of them are kept.
-  static constexpr double kMinCellPx = 2;
+  static constexpr double kMinCellPx = 0.5;
   /// Most pieces of such a cell that hide others, the nearest ones: more than a sensor as fine as
   /// the images has.
   static constexpr size_t kMaxPieces = 32;

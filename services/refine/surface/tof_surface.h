@@ -142,9 +142,9 @@ class TofSurface {
   /// @param rule    with a reach of 0 none is hidden.
   /// @returns one answer a point; valid until the next call. Does not depend on the order of the
   /// points.
-  /// O(points + image pixels / 25), whatever the points: of those that crowd into a few pixels (a
-  /// cell of 5 px, or of a piece's reach) only the 32 nearest hide others, so a point is compared
-  /// with 288 at most. On OpenCV's threads, with the same result for any number.
+  /// O(points + image pixels), whatever the points: of those that crowd into a pixel (a cell of
+  /// half a px, or of a piece's reach) only the 32 nearest hide others, so a point is compared with
+  /// 288 at most. On OpenCV's threads, with the same result for any number.
   const std::vector<Hidden>& FindHidden(std::span<const ProjectedPoint> points, size_t in_both,
                                         const cv::Mat1b& left, const cv::Mat1b& right,
                                         const HiddenRule& rule);

@@ -95,6 +95,29 @@ TEST(WorstCase, TheHiddenRuleIsNotQuadratic) {
   }
 }
 
+// Of a range image finer than the pair most points are out of a piece's reach.
+TEST(WorstCase, FinePiecesAreFoundAsFastAsCoarseOnes) {
+  const auto seconds = [](float step_px) {
+    Rig rig = WorstRig();
+    rig.tof.width = 500;
+    rig.tof.height = 400;
+    rig.tof.fx = rig.tof.fy = rig.pair.focal_px / step_px;
+    std::vector<ProjectedPoint> points;
+    for (int y = 0; y < rig.tof.height; ++y) {
+      for (int x = 0; x < rig.tof.width; ++x) {
+        const float u = 100 + static_cast<float>(x) * step_px;
+        const float disparity = 20 + static_cast<float>(x % 40) / 8;
+        points.push_back({x, y, {u, 20 + static_cast<float>(y) * step_px, u - disparity}});
+      }
+    }
+    TofSurface surface(rig, points);
+    const HiddenRule rule{.core = 0.4, .reach = 0.8, .tolerance_px = 1};
+    const cv::Mat1b grey = Noise(1);
+    return CpuSeconds([&] { surface.FindHidden(points, points.size(), grey, grey, rule); });
+  };
+  EXPECT_LT(seconds(0.25), 6 * seconds(1));
+}
+
 TEST(WorstCase, AmongPointsThatCrowdTheNearestHide) {
   const Rig rig = WorstRig();
   const cv::Mat1b grey(kWorstSize, uint8_t{100});
