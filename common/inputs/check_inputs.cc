@@ -107,14 +107,18 @@ void SayResizedRanges(const Rig& rig, Findings& findings) {
   }
 }
 
-// Beside a pair that does not fit: what no misfit of it explains, turned range images and units.
+// Beside a pair that does not fit: what no misfit of it explains, turned range images, units, and
+// numbers that are no depths.
 void SayGross(const RangeModel& ranges, Finding& finding) {
   constexpr double kSure = 0.8;
   for (Finding& one : JudgeRanges(&ranges, /*pair_fits=*/true)) {
     if (one.question != finding.question || one.verdict != Verdict::kBad) continue;
     const bool is_turned = one.question == Question::kPlace && std::isinf(one.moved_px) &&
                            ranges.turned.share() >= kSure;
-    if (is_turned || (!one.flag.empty() && ranges.scaled.share() >= kSure)) {
+    const bool is_misread = one.question == Question::kScale &&
+                            ranges.misread.with.reading != Reading::kAlongRay &&
+                            ranges.misread.share() >= std::max(kSure, ranges.scaled.share());
+    if (is_turned || is_misread || (!one.flag.empty() && ranges.scaled.share() >= kSure)) {
       finding = std::move(one);
     }
   }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/core/quantile.h"
+#include "common/inputs/modes.h"
 #include "common/inputs/point_grid.h"
 
 namespace sprout::inputs {
@@ -16,15 +17,13 @@ namespace {
 
 struct RangeRules {
   static constexpr size_t kMaxPoints = 10000;  ///< that are compared; more say no more
-  static constexpr size_t kMaxTurned = 2500;   ///< in each other turn
+  static constexpr size_t kMaxTurned = 2500;   ///< in each other turn, if they are good as they are
   /// See Vote.
   static constexpr double kTolerancePx = 1;
   static constexpr double kToleranceShare = 0.03;
   static constexpr double kToleranceM = 0.05;
   static constexpr double kCloseShare = 0.01;
   static constexpr double kMinDisparityPx = 1;  ///< farther matches do not tell a factor
-  static constexpr double kBinsPerE = 40;       ///< of ln(factor): 2.5 % each
-  static constexpr double kMaxFactor = 1e5;
   /// Other explanations are searched where fewer agree.
   static constexpr double kGood = 0.9;
   static constexpr double kClose = 0.85;
@@ -35,8 +34,13 @@ struct RangeRules {
   /// Widths of the field of view that are tried first, shares of what the calibration says.
   static constexpr double kSpreads[] = {0.5,  0.6,  0.7,  0.8, 0.87, 0.93,
                                         1.07, 1.15, 1.25, 1.4, 1.7,  2};
-  static constexpr double kSquare = 0.03;  ///< of |ln(fy/fx)|: less is a square pixel
-  static constexpr double kApart = 0.1;    ///< see RangeModel::apart
+  /// Beside columns that are moved: ranges in mm, cm, 1/256 m ..., taken for another of these.
+  static constexpr double kUnits[] = {1e3,          1e2,           10,        0.25,
+                                      0.1,          0.125,         0.01,      1e-3,
+                                      1000.0 / 256, 1000.0 / 5000, 1.0 / 256, 1.0 / 5000};
+  static constexpr double kMaxAside = 0.25;  ///< of these columns, a share of the width
+  static constexpr double kSquare = 0.03;    ///< of |ln(fy/fx)|: less is a square pixel
+  static constexpr double kApart = 0.1;      ///< see RangeModel::apart
 };
 
 // A pixel of the range image.
@@ -165,48 +169,28 @@ class Comparison {
   Eigen::Matrix3d rotation_;
 };
 
-// The factor that most comparisons would agree with: the mode of their ratios.
-double BestFactor(const std::vector<double>& logs) {
-  const double most = std::log(RangeRules::kMaxFactor);
-  std::vector<int> bins(static_cast<size_t>(2 * most * RangeRules::kBinsPerE) + 4, 0);
-  for (const double value : logs) {
-    if (std::abs(value) >= most) continue;
-    ++bins[1 + static_cast<size_t>((value + most) * RangeRules::kBinsPerE)];
-  }
-  size_t best = 1;
-  const auto around = [&](size_t i) { return bins[i - 1] + 2 * bins[i] + bins[i + 1]; };
-  for (size_t i = 1; i + 1 < bins.size(); ++i) {
-    if (around(i) > around(best)) best = i;
-  }
-  const double middle = (static_cast<double>(best) - 0.5) / RangeRules::kBinsPerE - most;
-  std::vector<double> near;
-  for (const double value : logs) {
-    if (std::abs(value - middle) < 2 / RangeRules::kBinsPerE) near.push_back(value);
-  }
-  return near.empty() ? 1 : std::exp(Median(near));
+// The best move of all columns alike, as of an image that was cropped, or a camera that is turned,
+// beside ranges of a hypothesis.
+Agreement BestAside(const Comparison& comparison, std::span<const RangePixel> pixels, int width,
+                    Hypothesis with) {
+  with.columns_px = width;  // beyond all: of disparities below 1 px none is compared
+  const Agreement all = comparison.Compare(pixels, with);
+  with.columns_px += all.compared == 0 ? 0 : ModeOf(all.offs_px);
+  return std::abs(with.columns_px) < width ? comparison.Compare(pixels, with) : Agreement{};
 }
 
-// The middle of where most of the numbers lie within 2 px.
-double ModeOf(std::vector<double> offs_px) {
-  constexpr double kWithinPx = 2;
-  std::ranges::sort(offs_px);
-  size_t begin = 0;
-  size_t count = 0;
-  for (size_t first = 0, end = 0; first < offs_px.size(); ++first) {
-    while (end < offs_px.size() && offs_px[end] <= offs_px[first] + kWithinPx) ++end;
-    if (end - first <= count) continue;
-    begin = first;
-    count = end - first;
-  }
-  return offs_px[begin + count / 2];
-}
-
-// The best move of all columns alike, as of an image that was cropped, or a camera that is turned.
+// The same beside ranges that are turned, or in another unit, if those as they are do not fit.
 Agreement BestAside(const Comparison& comparison, std::span<const RangePixel> pixels, int width) {
-  const double beyond_all = width;  // of disparities below 1 px none is compared
-  const Agreement all = comparison.Compare(pixels, {.columns_px = beyond_all});
-  const double aside = all.compared == 0 ? width : beyond_all + ModeOf(all.offs_px);
-  return std::abs(aside) < width ? comparison.Compare(pixels, {.columns_px = aside}) : Agreement{};
+  Agreement best = BestAside(comparison, pixels, width, {});
+  if (best.close_share() >= RangeRules::kClose) return best;
+  const auto look_at = [&](const Hypothesis& hypothesis) {
+    Agreement aside = BestAside(comparison, pixels, width, hypothesis);
+    const bool is_likely = std::abs(aside.with.columns_px) < width * RangeRules::kMaxAside;
+    if (is_likely && aside.close > best.close) best = std::move(aside);
+  };
+  for (const Turn& turn : kTurns) look_at({.turn = turn});
+  for (const double factor : RangeRules::kUnits) look_at({.factor = factor});
+  return best;
 }
 
 // The best factor. In another unit points lie at other places in the picture, so it takes two
@@ -375,7 +359,8 @@ RangeModel CompareRanges(const std::vector<Match>& matches, const TofImage& tof,
   model.in_picture = static_cast<int>(std::lround(model.as_is.in_picture / part));
   model.in_both = static_cast<int>(std::lround(model.as_is.in_both / part));
   const bool is_good = model.as_is.share() >= RangeRules::kGood;
-  model.turned = BestTurned(comparison, Chosen(all, RangeRules::kMaxTurned), !is_good);
+  model.turned =
+      BestTurned(comparison, is_good ? Chosen(all, RangeRules::kMaxTurned) : pixels, !is_good);
   if (!is_good) {
     model.scaled = BestScaled(comparison, pixels);
     model.misread = BestMisread(comparison, pixels, MedianDistance(matches, pair));

@@ -92,7 +92,9 @@ struct RangeModel {
   /// both alike, or such that pixels are square.
   Agreement spread;
   Agreement swapped;  ///< if as_is is not good: with the left image for the right one
-  Agreement aside;    ///< if as_is is not good: the best move of all columns
+  /// If as_is is not good: the best move of all columns, also of ranges that are turned or in
+  /// another unit.
+  Agreement aside;
   /// Over the matches that agree with `scaled`, or if it is empty with `as_is`: median of z_range /
   /// z_stereo, of z_range − z_stereo, m, and their standard deviations.
   Estimate ratio = {1, 0};

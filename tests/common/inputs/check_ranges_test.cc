@@ -50,6 +50,9 @@ TEST(CheckInputs, NamesTheUnitAndTheTurnOfRangesBesideAPairThatDoesNotFit) {
   Parts mirrored = SceneOf();
   cv::flip(mirrored.tof.depth_m, mirrored.tof.depth_m, 1);
   ExpectBad(lower(mirrored), Question::kPlace, "mirrored left to right");
+  Parts inverse = SceneOf();
+  for (float& depth : inverse.tof.depth_m) depth = 1 / depth;
+  ExpectBad(lower(inverse), Question::kScale, "inverse depths");
   for (const double factor : {1.0, 1.3}) {
     EXPECT_EQ(lower(Scaled(factor)).Answer(Question::kScale).verdict, Verdict::kCannotTell);
     EXPECT_EQ(lower(Scaled(factor)).Answer(Question::kPlace).verdict, Verdict::kCannotTell);

@@ -31,6 +31,20 @@ TEST(CheckInputs, SaysByRangesThatSidesAreSwappedWherePrincipalPointsHideIt) {
   EXPECT_EQ(parts.Answer(Question::kSides).verdict, Verdict::kBad);
 }
 
+// Each fault hides the other one.
+TEST(CheckInputs, SaysThatColumnsLieAsideOfRangesThatAreWrong) {
+  Parts parts = Moved(cv::Matx23d(1, 0, -20, 0, 1, 0));
+  ExpectBad(parts, Question::kSides, "px further left than ranges say (then");
+  Parts mirrored = parts;
+  mirrored.tof.depth_m = cv::Mat1f();
+  cv::flip(parts.tof.depth_m, mirrored.tof.depth_m, 1);
+  ExpectBad(mirrored, Question::kSides, "px further left than ranges say, which are turned");
+  parts.tof.depth_m *= 0.256;
+  ExpectBad(parts, Question::kSides, "px further left than ranges say, which are in another unit");
+  parts.right = SceneOf().right;
+  EXPECT_NE(parts.Answer(Question::kSides).verdict, Verdict::kBad);
+}
+
 // Bright boards, of 30 px of disparity, before a dark wall of 12 px.
 Parts BoardsBeforeAWall() {
   const cv::Size size(480, 360);
