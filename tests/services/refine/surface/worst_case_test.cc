@@ -115,7 +115,7 @@ TEST(WorstCase, FinePiecesAreFoundAsFastAsCoarseOnes) {
     const cv::Mat1b grey = Noise(1);
     return CpuSeconds([&] { surface.FindHidden(points, points.size(), grey, grey, rule); });
   };
-  EXPECT_LT(seconds(0.25), 6 * seconds(1));
+  EXPECT_LT(seconds(0.25), 5 * seconds(1));
 }
 
 TEST(WorstCase, AmongPointsThatCrowdTheNearestHide) {
