@@ -105,6 +105,8 @@ class RosRigWatch {
 
   std::string OtherFrame(const RosBytes& message) const { return calibration_.OtherFrame(message); }
 
+  std::string RawImages() const { return calibration_.RawImages(); }
+
   /// The rig that the newest messages describe.
   const RosRig& rig() const { return rig_; }
 

@@ -155,11 +155,11 @@ std::vector<std::string> RosSettings::TopicsOf(RosRole role) const {
   return topic.empty() ? TransformTopics(left) : std::vector{topic};
 }
 
-bool SaysRectified(std::string image) {
+bool NameHas(std::string image, std::string_view word) {
   for (const std::string_view transport : {kCompressed, kCompressedDepth}) {
     if (image.ends_with(transport)) image.resize(image.size() - transport.size());
   }
-  return image.find("rect", image.rfind('/')) != std::string::npos;
+  return image.find(word, image.rfind('/')) != std::string::npos;
 }
 
 bool RosSettings::DepthIsRectified() const {

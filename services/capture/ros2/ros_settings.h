@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/core/pose.h"
@@ -41,8 +42,10 @@ struct RosSettings {
   bool DepthIsRectified() const;
 };
 
-/// Whether the last name of a topic of images says that they are rectified: "image_rect_color".
-bool SaysRectified(std::string image);
+/// Whether the last name of a topic of images has a word: "image_rect_color" has "rect".
+bool NameHas(std::string image, std::string_view word);
+/// Whether it says that images are rectified.
+inline bool SaysRectified(const std::string& image) { return NameHas(image, "rect"); }
 
 /// Where transforms may be that belong to a topic: /tf_static and /tf, as they are and in each
 /// namespace of the topic.

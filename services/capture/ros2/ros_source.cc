@@ -10,6 +10,7 @@
 #include "common/app/log_limiter.h"
 #include "common/config/config_error.h"
 #include "common/core/image.h"
+#include "common/core/joined.h"
 #include "common/rig/rig_file.h"
 #include "common/scenes/tof_grid.h"
 #include "common/scenes/velodyne_scan.h"
@@ -127,6 +128,13 @@ class RosFrames : public RawSource {
 
   scenes::LostFrames lost_at_end() const override {
     scenes::LostFrames lost = triplets_.TakeLost();
+    // Rectified images may be called image_raw, or have the D of raw ones, but hardly both.
+    const RosSettings& settings = opener_.settings();
+    if (!is_live() && watch_ && NameHas(settings.left, "raw") && NameHas(settings.right, "raw")) {
+      const std::string raw = watch_->RawImages();
+      lost.lacks_most |= !raw.empty();
+      lost.trouble = JoinedTexts(raw, lost.trouble);
+    }
     if (misfits_ < 2) return lost;
     lost.lacks_most = true;
     lost.trouble = fmt::format("the last {} pairs fit no calibration: {}", misfits_, misfit_);

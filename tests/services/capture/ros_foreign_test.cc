@@ -271,6 +271,7 @@ TEST(RosForeign, ImagesThatTheirCameraInfoWouldRectifyAreNamed) {
     const auto opened =
         OpenAll("mcap:" + file.path() + "?left=/left/" + name + "&right=/right/" + name);
     EXPECT_EQ(opened.frames.size(), 1U);
+    EXPECT_EQ(opened.source->lost_at_end().lacks_most, !says_rect);
     if (says_rect) {
       EXPECT_THAT(opened.told, testing::IsEmpty());
     } else {
