@@ -124,6 +124,19 @@ void SayGross(const RangeModel& ranges, Finding& finding) {
   }
 }
 
+// Whether the rows of a pair are off alike, which moves no columns, so that its matches tell of
+// ranges nevertheless; unless columns that are moved alike, too, may explain these.
+bool OnlyRowsAreOff(const PairModel& model, int width, const RangeModel& ranges) {
+  constexpr double kEvenRows = 0.5;  // as of ColumnErrorPx()
+  constexpr double kAlikePx = 0.5;
+  constexpr double kMayExplain = 0.5;
+  const Hypothesis& aside = ranges.aside.with;
+  const bool are_ranges_aside =
+      aside.turn == Turn{} && aside.factor == 1 && ranges.aside.close_share() >= kMayExplain;
+  return !are_ranges_aside &&
+         ColumnErrorPx(model, width) <= kEvenRows * std::abs(model.middle_px.value) + kAlikePx;
+}
+
 struct Shown {
   Matches matches;
   PairModel model;
@@ -155,9 +168,11 @@ Findings CheckInputs(const cv::Mat1b& left, const cv::Mat1b& right, const TofIma
   std::optional<RangeModel> ranges;
   if (projector != nullptr) ranges = CompareRanges(model.inliers, tof, *projector);
   Findings findings = JudgePair(left, right, pair, matches, model, ranges ? &*ranges : nullptr);
+  const bool only_rows = ranges && OnlyRowsAreOff(model, left.cols, *ranges);
   // Matches are right with different contrasts, too.
-  const bool fits = std::ranges::none_of(findings, [](const Finding& finding) {
-    return finding.verdict == Verdict::kBad && finding.question != Question::kContrast;
+  const bool fits = std::ranges::none_of(findings, [&](const Finding& finding) {
+    return finding.verdict == Verdict::kBad && finding.question != Question::kContrast &&
+           !(finding.question == Question::kRows && only_rows);
   });
   for (Finding& finding : JudgeRanges(ranges ? &*ranges : nullptr, fits)) {
     if (ranges && !fits) SayGross(*ranges, finding);

@@ -1,5 +1,7 @@
 #include "services/pipeline/files/believe_nothing.h"
 
+#include <fmt/core.h>
+
 #include <limits>
 
 #include "common/core/prior_map.h"
@@ -19,6 +21,29 @@ void BelieveNothing(const SproutConfig& config, DepthFrame& depth) {
     drop_all(depth.kept);
     depth.depth_m = std::numeric_limits<float>::quiet_NaN();
   }
+}
+
+std::string LeaveOutRanges(const inputs::Findings& findings, bool has_map_without, int width,
+                           TofImage& tof) {
+  std::string note;
+  bool is_far = false;
+  for (const inputs::Finding& finding : findings) {
+    is_far |= finding.question == inputs::Question::kPlace &&
+              finding.verdict == inputs::Verdict::kBad && finding.moved_px > width / 20.0;
+    if (finding.no_return_m == 0) continue;
+    tof.depth_m.setTo(0, tof.depth_m == finding.no_return_m);
+    note = fmt::format("; ranges of exactly {:.3f} m are left out", finding.no_return_m);
+  }
+  using inputs::Question;
+  const bool hits_is_bad = note.empty() && AnyIsBad(findings, {Question::kHits});
+  const bool are_contradicted = AnyIsBad(findings, {Question::kRows, Question::kContrast}) &&
+                                AnyIsBad(findings, {Question::kPlace, Question::kMoment});
+  if (has_map_without && !tof.depth_m.empty() &&
+      (is_far || hits_is_bad || are_contradicted || AnyIsBad(findings, {Question::kScale}))) {
+    tof = TofImage();
+    note = "; no range is believed";
+  }
+  return note;
 }
 
 }  // namespace sprout

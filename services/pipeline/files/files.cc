@@ -146,28 +146,6 @@ TofImage RangesOf(const Frame& frame, double unambiguous_range_m) {
                                          TofProjector(*frame.rig), unambiguous_range_m);
 }
 
-// Leaves out ranges that would spoil what the pair shows: all if they are noise, hit nothing, have
-// another scale or lie farther aside than refine can move them. @returns a note for the user.
-std::string LeaveOutRanges(const inputs::Findings& findings, bool has_map_without, int width,
-                           TofImage& tof) {
-  std::string note;
-  bool is_far = false;
-  for (const inputs::Finding& finding : findings) {
-    is_far |= finding.question == inputs::Question::kPlace &&
-              finding.verdict == inputs::Verdict::kBad && finding.moved_px > width / 20.0;
-    if (finding.no_return_m == 0) continue;
-    tof.depth_m.setTo(0, tof.depth_m == finding.no_return_m);
-    note = fmt::format("; ranges of exactly {:.3f} m are left out", finding.no_return_m);
-  }
-  const bool hits_is_bad = note.empty() && AnyIsBad(findings, {inputs::Question::kHits});
-  if (has_map_without && !tof.depth_m.empty() &&
-      (is_far || hits_is_bad || AnyIsBad(findings, {inputs::Question::kScale}))) {
-    tof = TofImage();
-    note = "; no range is believed";
-  }
-  return note;
-}
-
 Result<Computed> ComputePair(PairReader& reader, const ImagePair& pair, Pipeline& pipeline,
                              inputs::RepeatWatch& repeat_watch, const SproutConfig& config) {
   using Clock = std::chrono::steady_clock;

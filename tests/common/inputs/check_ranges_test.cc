@@ -53,9 +53,18 @@ TEST(CheckInputs, NamesTheUnitAndTheTurnOfRangesBesideAPairThatDoesNotFit) {
   Parts inverse = SceneOf();
   for (float& depth : inverse.tof.depth_m) depth = 1 / depth;
   ExpectBad(lower(inverse), Question::kScale, "inverse depths");
-  for (const double factor : {1.0, 1.3}) {
-    EXPECT_EQ(lower(Scaled(factor)).Answer(Question::kScale).verdict, Verdict::kCannotTell);
-    EXPECT_EQ(lower(Scaled(factor)).Answer(Question::kPlace).verdict, Verdict::kCannotTell);
+  Parts half = SceneOf();
+  half.tof.depth_m.rowRange(0, half.tof.depth_m.rows / 2) *= 0.6;
+  ExpectBad(lower(half), Question::kMoment, "disagree");
+  const auto turned = [](Parts parts) {
+    cv::warpAffine(parts.right, parts.right, cv::Matx23d(1, 0.02, 0, -0.02, 1, 0),
+                   parts.right.size());
+    return parts;
+  };
+  for (const Question question : {Question::kPlace, Question::kScale, Question::kMoment}) {
+    EXPECT_EQ(lower(SceneOf()).Answer(question).verdict, Verdict::kGood);
+    EXPECT_EQ(turned(SceneOf()).Answer(question).verdict, Verdict::kCannotTell);
+    EXPECT_EQ(turned(Scaled(1.3)).Answer(question).verdict, Verdict::kCannotTell);
   }
 }
 

@@ -338,28 +338,41 @@ TEST_F(Files, StopBetweenTwoPairs) {
 }
 
 // As of a camera of other proportions, whose image was taken for what the left one shows.
-TEST_F(Files, UseNoRangesThatLieFarAside) {
-  constexpr int kAside = 48;
+// Farther aside than refine moves them, or beside a pair by which it does not judge them.
+TEST_F(Files, UseNoRangesThatAreContradicted) {
   const auto dataset = scenes::OpenDataset("synthetic:320x240");
   const scenes::DatasetFrame scene = dataset->Get(0);
   const RectifiedPair& pair = dataset->rig().pair;
-  cv::Mat1w mm(pair.size(), uint16_t{0});
-  for (int v = 0; v < mm.rows; ++v) {
-    for (int u = kAside; u < mm.cols; ++u) {
-      const double px = scene.truth.left(v, u - kAside);
-      if (std::isfinite(px)) mm(v, u) = static_cast<uint16_t>(1000 * pair.DepthFromDisparity(px));
-    }
-  }
   options_.left = Write("left.png", scene.left);
-  options_.right = Write("right.png", scene.right);
-  options_.tof = Write("tof.png", mm);
   options_.rig.focal_px = pair.focal_px;
   options_.rig.baseline_m = pair.baseline_m;
   options_.rig.cx = pair.cx;
   options_.rig.cx_right = pair.cx_right;
-  const MainOutcome outcome = RunToEnd(options_);
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, testing::ContainsRegex("belong about 48 px.*; no range is believed"));
+  const auto outcome_of = [&](int aside, double below, const cv::Mat& right) {
+    cv::Mat1w mm(pair.size(), uint16_t{0});
+    for (int v = 0; v < mm.rows; ++v) {
+      for (int u = aside; u < mm.cols; ++u) {
+        const double px = scene.truth.left(v, u - aside);
+        const double factor = 1000 * (2 * v < mm.rows ? 1 : below);
+        if (std::isfinite(px)) {
+          mm(v, u) = static_cast<uint16_t>(factor * pair.DepthFromDisparity(px));
+        }
+      }
+    }
+    options_.right = Write("right.png", right);
+    options_.tof = Write("tof.png", mm);
+    const MainOutcome outcome = RunToEnd(options_);
+    EXPECT_EQ(outcome.exit_code, 1);
+    return outcome.err;
+  };
+  EXPECT_THAT(outcome_of(48, 1, scene.right),
+              testing::ContainsRegex("belong about 48 px.*; no range is believed"));
+  cv::Mat lower;
+  cv::warpAffine(scene.right, lower, cv::Matx23d(1, 0, 0, 0, 1, 3), scene.right.size());
+  EXPECT_THAT(outcome_of(0, 0.6, lower),
+              testing::ContainsRegex("ranges and images disagree .*; no range is believed"));
+  EXPECT_THAT(outcome_of(0, 0.6, scene.right), Not(HasSubstr("no range is believed")));
+  EXPECT_THAT(outcome_of(0, 1, lower), Not(HasSubstr("no range is believed")));
 }
 
 TEST_F(Files, SayThatPixelsOfRangeImagesAreOblong) {
