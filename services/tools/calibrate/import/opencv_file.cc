@@ -155,7 +155,8 @@ class Entries {
       } else {
         *node >> matrix;
       }
-    } catch (const cv::Exception&) {  // no matrix: the result stays empty
+    } catch (const cv::Exception&) {
+      matrix.release();  // made, but not filled where data has another count
     }
     if (matrix.empty() || matrix.channels() != 1 || !cv::checkRange(matrix)) {
       throw ConfigError(where_ + ": " + node->name() +

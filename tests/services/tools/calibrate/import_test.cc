@@ -181,8 +181,9 @@ TEST_F(Import, SaysWhatOfOpencvsFileIsMissing) {
               HasSubstr("there are: image_width image_height LEFT_K D1 other D2 R T"));
   EXPECT_THAT(Refusal({Write("bad.yml", "%YAML:1.0\n---\nM1: [ [1, 2], [3] ]\n")}),
               HasSubstr("bad.yml: M1 is no matrix; allowed: rows, cols, dt, and as many finite "));
-  EXPECT_THAT(Refusal({Write("torn.yml", "%YAML:1.0\n---\nM1: !!opencv-matrix\n   rows: 3\n")}),
-              HasSubstr("torn.yml: "));
+  const char* torn = R"({"M1": {"type_id": "opencv-matrix", "rows": 3, "cols": 3, "dt": "d", )";
+  EXPECT_THAT(Refusal({Write("torn.json", torn + std::string(R"("data": [1, 0]}})"))}),
+              HasSubstr("torn.json: M1 is no matrix"));
   // The refusal names the line, and why OpenCV cannot read it.
   EXPECT_THAT(Refusal({Write("cut.yml", "%YAML:1.0\n---\nM1: !!opencv-matrix\n  data: [ 1, 2")}),
               HasSubstr("cut.yml: OpenCV cannot read it: (4): "));
