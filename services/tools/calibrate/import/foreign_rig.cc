@@ -196,6 +196,7 @@ void RefuseOtherPrograms(const ForeignFile& file) {
 struct RosFile {
   ForeignCamera camera;
   ForeignRectification rectification;
+  double row_px = 0;  // c_y of the rectified image
 };
 
 // @param field  of the message, as `ros2 topic echo` and `rostopic echo` (in capitals) print it.
@@ -234,6 +235,7 @@ RosFile ReadRosCamera(const ForeignFile& file, const YAML::Node& root) {
   RequireRotation(file.path.string() + ": rectification_matrix", ros.rectification.rotation);
   ros.rectification.tx = p[3];
   ros.rectification.focal_px = p[0];
+  ros.row_px = p[6];
   if (p[0] <= 0) throw Bad(file, "projection_matrix has no focal length > 0");
   return ros;
 }
@@ -248,6 +250,15 @@ ForeignRig RosRig(const std::vector<ForeignFile>& files, const std::vector<YAML:
     throw Bad(files[1],
               "projection_matrix has the Tx of the left one, so there is no baseline: were the "
               "cameras calibrated as a pair?");
+  }
+  constexpr double kRounding = 1e-3;  // of files with few digits
+  const double focal_px = left.rectification.focal_px;
+  if (std::max(std::abs(right.rectification.focal_px - focal_px),
+               std::abs(right.row_px - left.row_px)) > kRounding * focal_px) {
+    throw Bad(files[1],
+              fmt::format("projection_matrix has f = {:g} and cy = {:g} px, that of the "
+                          "left one {:g} and {:g}: are both files of one calibration?",
+                          right.rectification.focal_px, right.row_px, focal_px, left.row_px));
   }
   return {.left = left.camera,
           .right = right.camera,

@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 
 #include <fstream>
@@ -54,6 +55,28 @@ TEST_F(ImportProgram, MakesARigFileAndKeepsTheDevices) {
   const RawRig raw = RequireCalibration(rig, options.out);
   EXPECT_EQ(raw.left.distortion, (std::array<double, 5>{-0.28, 0.07, 0.0001, -0.0002, 0}));
   EXPECT_NEAR(raw.left_from_right.translation_m.x(), 0.12, 1e-9);
+}
+
+// ROS's, of which left.yaml is of an earlier calibration.
+TEST_F(ImportProgram, FilesOfTwoCalibrationsAreRefused) {
+  const auto write = [&](const char* name, double focal_px, double tx) {
+    std::ofstream(folder_ / name) << fmt::format(
+        "image_width: 640\nimage_height: 480\ndistortion_model: plumb_bob\n"
+        "camera_matrix: {{data: [500, 0, 320, 0, 500, 240, 0, 0, 1]}}\n"
+        "distortion_coefficients: {{data: [0, 0, 0, 0, 0]}}\n"
+        "rectification_matrix: {{data: [1, 0, 0, 0, 1, 0, 0, 0, 1]}}\n"
+        "projection_matrix: {{data: [{0}, 0, 320, {1}, 0, {0}, 240, 0, 0, 0, 1, 0]}}\n",
+        focal_px, tx);
+    return folder_ / name;
+  };
+  ImportOptions options{.files = {write("left.yaml", 500, 0), write("right.yaml", 500.1, -60)},
+                        .out = folder_ / "rig.textproto"};
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(RunImport(options), 0);
+  testing::internal::GetCapturedStdout();
+  write("right.yaml", 510, -61.2);
+  EXPECT_THAT(Refusal(options), HasSubstr("right.yaml: projection_matrix has f = 510 and cy = 240 "
+                                          "px, that of the left one 500 and 240: are both"));
 }
 
 TEST_F(ImportProgram, LengthsInMillimetresAreNotTakenForMetres) {
