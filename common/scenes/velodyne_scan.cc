@@ -65,12 +65,15 @@ std::vector<Eigen::Vector3d> ReadVelodyneScan(const std::filesystem::path& file)
   }
   std::vector<Eigen::Vector3d> points;
   points.reserve(stored.size());
-  for (const StoredPoint& point : stored) {
-    points.emplace_back(point[0], point[1], point[2]);
-    if (!(points.back().cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= kMaxCoordinateM)) {
-      throw BadScan(file, "point " + std::to_string(points.size()) + " is out of range");
+  for (size_t i = 0; i < stored.size(); ++i) {
+    const Eigen::Vector3d point(stored[i][0], stored[i][1], stored[i][2]);
+    if (point.array().isNaN().all()) continue;  // no return, of clouds that keep their rows
+    if (!(point.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= kMaxCoordinateM)) {
+      throw BadScan(file, "point " + std::to_string(i + 1) + " is out of range");
     }
+    points.push_back(point);
   }
+  if (points.empty()) throw BadScan(file, "all points are NaN");
   return points;
 }
 

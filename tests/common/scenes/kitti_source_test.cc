@@ -183,6 +183,15 @@ TEST(KittiErrors, NamesImagesThatDoNotFit) {
               AllOf(HasSubstr("disp_occ_0/000007_10.png"), HasSubstr("16-bit")));
 }
 
+// As of clouds that keep their rows.
+TEST(KittiDataset, LeavesOutPointsWithoutAReturn) {
+  const KittiFolder folder("000007");
+  const float nan = std::nanf("");
+  folder.WriteScan("000007", {{nan, nan, nan, 0}, {10, 0, 0, 0}, {nan, nan, nan, nan}});
+  const cv::Mat1f depth_m = OpenDataset(folder.Config("/000007"))->Get(0).tof.depth_m;
+  EXPECT_EQ(cv::countNonZero(depth_m > 0), 1);
+}
+
 TEST(KittiErrors, RefusesAScanThatIsBroken) {
   const KittiFolder folder("000007");
   const auto error = [&](const std::string& bytes) {
@@ -191,7 +200,10 @@ TEST(KittiErrors, RefusesAScanThatIsBroken) {
   };
   EXPECT_THAT(error(""), AllOf(HasSubstr("velodyne/000007.bin: empty"), HasSubstr("16 bytes")));
   EXPECT_THAT(error(std::string(31, '\0')), HasSubstr("ends within a point, at byte 31"));
-  EXPECT_THAT(error(std::string(32, '\xff')), HasSubstr("point 1 is out of range"));
+  EXPECT_THAT(error(std::string(32, '\xff')), HasSubstr("all points are NaN"));
+  const float nan = std::nanf("");
+  folder.WriteScan("000007", {{nan, 0, 0, 0}, {10, 0, 0, 0}});
+  EXPECT_THAT(OpenError(folder.Config("/000007")), HasSubstr("point 1 is out of range"));
   folder.WriteScan("000007", {{10, 0, 0, 0}, {1e30F, 0, 0, 0}});
   EXPECT_THAT(OpenError(folder.Config("/000007")), HasSubstr("point 2 is out of range"));
   folder.WriteScan("000007", {{-10, 0, 0, 0}, {10, 10, 0, 0}});
