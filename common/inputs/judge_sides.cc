@@ -99,10 +99,9 @@ std::string AsideText(const RectifiedPair& pair, const RangeModel& ranges) {
                          : with.factor != 1  ? ", which are in another unit, too"
                                              : "";
   return fmt::format(
-      "columns of the right image lie {:.1f} ± {:.2f} px further {} than ranges say{} (then {:.0f} "
-      "% "
-      "of these are within 1 % of stereo, as it is {:.0f} %): was an image cropped (cx_right "
-      "{:.1f}, not {:.1f}), or is a camera turned?",
+      "columns of the right image lie {:.1f} ± {:.2f} px further {} than ranges say{} "
+      "(then {:.0f} % of these are within 1 % of stereo, as it is {:.0f} %): was an image cropped "
+      "(cx_right {:.1f}, not {:.1f}), or is a camera turned?",
       std::abs(columns_px), MedianOf(ranges.aside.offs_px).sigma, columns_px < 0 ? "left" : "right",
       if_wrong, 100 * ranges.aside.close_share(), 100 * ranges.as_is.close_share(),
       pair.cx_right + columns_px, pair.cx_right);

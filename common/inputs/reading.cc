@@ -34,9 +34,8 @@ const char* TextOf(Reading reading) {
       return "the bytes of the ranges are in the other order (swapped {:.0f} % of them agree with "
              "stereo): PNG has the high byte first";
     case Reading::kWithFlags:
-      return "the ranges are mm in the lower 13 bits (without the others {:.0f} % of them agree "
-             "with "
-             "stereo): is their confidence in the upper three (Android's DEPTH16)? give mm alone";
+      return "the ranges are mm in the lower 13 bits (then {:.0f} % of them agree with stereo): is "
+             "their confidence in the upper three (Android's DEPTH16)? give mm alone";
     case Reading::kDepth:
       break;
   }

@@ -27,15 +27,17 @@ TEST(SumWindows, HasRoomForTheLargestWindowsOfWhite) {
 }
 
 TEST(NoiseVariance, IsThatOfTheNoiseOnASlope) {
-  cv::Mat1s slope(70, 70);
+  cv::Mat1b slope(70, 70);
   for (int v = 0; v < slope.rows; ++v) {
-    for (int u = 0; u < slope.cols; ++u) slope(v, u) = static_cast<int16_t>(2 * u + v);
+    for (int u = 0; u < slope.cols; ++u) slope(v, u) = static_cast<uint8_t>(30 + 2 * u + v);
   }
   const cv::Point middle(35, 35);
-  EXPECT_EQ(NoiseVariance<30>(cv::Mat1b(slope), middle), 0);
+  EXPECT_EQ(NoiseVariance<30>(slope, middle), 0);
   cv::Mat1s noise(slope.size());
   cv::RNG(1).fill(noise, cv::RNG::NORMAL, 0, 6);
-  EXPECT_NEAR(NoiseVariance<30>(cv::Mat1b(slope + noise), middle), 36, 4);
+  cv::Mat1b noisy;
+  cv::add(slope, noise, noisy, cv::noArray(), CV_8U);
+  EXPECT_NEAR(NoiseVariance<30>(noisy, middle), 36, 4);
 }
 
 TEST(IsInside, IsTrueWhereARoundedPositionHasItsWindowInTheImage) {
