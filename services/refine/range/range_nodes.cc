@@ -94,6 +94,7 @@ bool ShareSurface(const RangeNode& a, const RangeNode& b) {
 
 // Costs of all nodes; those without any are left out.
 void RangeNodes::Compare(const cv::Mat1b& left, const cv::Mat1b& right) {
+  const double blocks = BlockVariance(left);
   std::vector<uint8_t> known(nodes_.size());
   ForEachParallel(nodes_.size(), [&](size_t i) {
     RangeNode& node = nodes_[i];
@@ -104,7 +105,7 @@ void RangeNodes::Compare(const cv::Mat1b& left, const cv::Mat1b& right) {
     const cv::Point at(static_cast<int>(std::lround(node.at.x)),
                        static_cast<int>(std::lround(node.at.y)));
     node.noise = NoiseVariance<RangeRules::kWindowRadius - 1>(left, at);
-    if (IsBlank(left, at)) known[i] = 0;
+    if (blocks > 0 && IsBlank(left, at)) known[i] = 0;
   });
   size_t kept = 0;
   for (size_t i = 0; i < nodes_.size(); ++i) {
@@ -117,7 +118,7 @@ void RangeNodes::Compare(const cv::Mat1b& left, const cv::Mat1b& right) {
   variances.reserve(nodes_.size());
   for (const RangeNode& node : nodes_) variances.push_back(static_cast<float>(node.noise));
   noise_ = std::max(noise_, double{Quantile(variances, RangeRules::kNoiseQuantile)});
-  noise_ += RangeRules::kBlockNoise * BlockVariance(left);
+  noise_ += RangeRules::kBlockNoise * blocks;
   ForEachParallel(nodes_.size(), [&](size_t i) { SetCosts(nodes_[i]); });
 }
 
