@@ -38,6 +38,9 @@ struct RowRules {
   static constexpr double kMinRangeShare = 0.5;
   /// Of a corner among range points: its gradient's square, by that of noise.
   static constexpr double kClearSignal = 4;
+  /// Range points are asked only if fewer than half of every fourth corner are so alike.
+  static constexpr int kGlanceStep = 4;
+  static constexpr double kAlike = 0.8;
 };
 
 constexpr int kParts = RowRules::kColumns * RowRules::kRows;
@@ -132,9 +135,14 @@ std::optional<inputs::Match> MatchOf(const cv::Mat1b& left, const cv::Mat1b& rig
   return inputs::Match{.left = at, .right = cv::Point2d(u_right, at.y + TopOf(likeness) - kUpDown)};
 }
 
-// The match of the strongest corner of a part; nothing where no window fits or has texture.
-std::optional<inputs::Match> MatchPart(const JudgedFrame& frame, const cv::Rect& part,
-                                       double least_cornerness) {
+// The column of the right image where a pixel of the map matches.
+int RightColumnOf(const DisparityImage& map, cv::Point at) {
+  return cvRound(at.x - double{map.Px(at.x, at.y)});
+}
+
+// The strongest corner of a part; nothing where no window fits or has texture.
+std::optional<cv::Point> CornerOf(const JudgedFrame& frame, const cv::Rect& part,
+                                  double least_cornerness) {
   const DisparityImage& map = frame.filled;
   constexpr int kMargin = RowRules::kRadius + RowRules::kUpDown + 1;
   double best = least_cornerness;
@@ -151,9 +159,26 @@ std::optional<inputs::Match> MatchPart(const JudgedFrame& frame, const cv::Rect&
     best = cornerness;
     corner = at;
   }
-  if (!corner) return {};
-  return MatchOf(frame.left, frame.right, *corner,
-                 cvRound(corner->x - double{map.Px(corner->x, corner->y)}));
+  return corner;
+}
+
+// Whether the right image shows the same at most corners of every fourth part, as that of a right
+// map does: then no more has to be asked.
+bool ShowsAtAGlance(const JudgedFrame& frame, const cv::Mat1b& parts, double least_cornerness) {
+  int corners = 0;
+  int alike = 0;
+  for (int i = 0; i < kParts; i += RowRules::kGlanceStep) {
+    if (parts.data[i] == 0) continue;
+    const auto corner = CornerOf(frame, PartAt(i, frame.filled.size()), least_cornerness);
+    if (!corner) continue;
+    ++corners;
+    const cv::Point match(RightColumnOf(frame.filled, *corner), corner->y);
+    alike += WindowCorrelation<RowRules::kRadius>(frame.left, frame.right, *corner, match) >
+                     RowRules::kAlike
+                 ? 1
+                 : 0;
+  }
+  return 2 * alike > corners;
 }
 
 // Multiplies the confidence of the parts of one origin, and adds an error of the columns.
@@ -215,11 +240,15 @@ RowCheck CheckRows(const JudgedFrame& frame, const cv::Mat1b& confidence, SeedOr
   if (origin == SeedOrigin::kTof) {
     // A difference of two pixels has the noise of both.
     least = std::max(least, RowRules::kClearSignal * 2 * NoiseVariance(frame.left));
+    if (ShowsAtAGlance(frame, parts, least)) return {};
   }
   std::array<std::optional<inputs::Match>, kParts> asked;
   ForEachParallel(asked.size(), [&](size_t i) {
     const auto part = static_cast<int>(i);
-    if (parts.data[i] != 0) asked[i] = MatchPart(frame, PartAt(part, size), least);
+    if (parts.data[i] == 0) return;
+    const auto corner = CornerOf(frame, PartAt(part, size), least);
+    if (corner)
+      asked[i] = MatchOf(frame.left, frame.right, *corner, RightColumnOf(frame.filled, *corner));
   });
   inputs::Matches matches;
   matches.most_rows_px = RowRules::kUpDown;
