@@ -39,7 +39,8 @@ FrameAssembler::FrameAssembler(PartSet needed, StageMonitor& monitor, size_t max
   }
 }
 
-std::vector<Frame> FrameAssembler::Add(std::string_view channel, std::span<const uint8_t> bytes) {
+std::vector<Frame> FrameAssembler::Add(std::string_view channel, std::span<const uint8_t> bytes,
+                                       const cv::Mat1b& memory) {
   const std::optional<Part> part = PartOf(channel);
   if (!part || !needed_.Has(*part)) return {};
   try {
@@ -51,7 +52,7 @@ std::vector<Frame> FrameAssembler::Add(std::string_view channel, std::span<const
                                        "them, or utime and seq are those of an earlier frame");
       return {};
     }
-    Result<std::vector<Frame>> frames = joiner_.AddMessage(*part, bytes);
+    Result<std::vector<Frame>> frames = joiner_.AddMessage(*part, bytes, memory);
     if (frames) {
       taken_.push_back(message);
       if (taken_.size() > kMaxTaken) taken_.pop_front();

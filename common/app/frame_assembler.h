@@ -29,8 +29,10 @@ class FrameAssembler {
   const std::vector<std::string_view>& channels() const { return channels_; }
 
   /// Takes one message. Never throws: messages that cannot be used are counted in the monitor.
+  /// @param memory  as in DecodePart().
   /// @returns the frames that are complete now.
-  std::vector<Frame> Add(std::string_view channel, std::span<const uint8_t> bytes);
+  std::vector<Frame> Add(std::string_view channel, std::span<const uint8_t> bytes,
+                         const cv::Mat1b& memory = {});
 
   /// The end of the messages: unfinished frames are counted as incomplete.
   /// @returns those that lack optional parts alone.

@@ -112,8 +112,9 @@ class LiveInput {
         preparation_(std::max<size_t>(1, steps)) {
     receiver_.emplace(
         context.lcm_url, context.prefix, Channels(),
-        [this](std::string_view channel, std::span<const uint8_t> bytes) { Hear(channel, bytes); },
-        [this](std::string_view channel) { monitor_.MessageDropped(channel); });
+        [this](std::string_view channel, const MessageBytes& bytes) { Hear(channel, bytes); },
+        [this](std::string_view channel) { monitor_.MessageDropped(channel); },
+        Receiver::kMaxQueuedBytes, LaterAnswers());
   }
 
   // The next frame; nothing if there is none within a moment, or no room for one behind this stage.
@@ -148,12 +149,16 @@ class LiveInput {
     std::vector<std::string_view> channels = assembler_.channels();
     channels.push_back(kStatusChannel);
     if (!takes_calibration_) channels.push_back(ChannelOf(Part::kRig));
-    if (is_first_)
-      channels.insert(channels.end(), {ChannelOf(kNextAnswer), ChannelOf(kLastAnswer)});
     return channels;
   }
 
-  void Hear(std::string_view channel, std::span<const uint8_t> bytes) {
+  // Of which only the frame is asked.
+  std::vector<std::string_view> LaterAnswers() const {
+    if (!is_first_) return {};
+    return {ChannelOf(kNextAnswer), ChannelOf(kLastAnswer)};
+  }
+
+  void Hear(std::string_view channel, const MessageBytes& bytes) {
     if (channel == kStatusChannel) return HearStatus(bytes);
     for (const Part part : {kNextAnswer, kLastAnswer}) {
       if (is_first_ && channel == ChannelOf(part)) return HearLaterAnswer(part, bytes);
@@ -163,7 +168,7 @@ class LiveInput {
       if (!takes_calibration_) return;
     }
     silence_.Heard(channel);
-    for (Frame& frame : assembler_.Add(channel, bytes)) {
+    for (Frame& frame : assembler_.Add(channel, bytes, bytes.memory)) {
       silence_.HeardFrame();
       const auto now = StageMonitor::Clock::now();
       monitor_.FrameIn(mailbox_.Put({std::move(frame), now}));

@@ -1,6 +1,8 @@
 #include "common/bus/datagram_joiner.h"
 
 #include <algorithm>
+#include <new>
+#include <opencv2/core.hpp>
 
 namespace sprout {
 namespace {
@@ -16,10 +18,6 @@ uint32_t BigEndian(std::span<const uint8_t> bytes) {
   return value;
 }
 
-MessageBytes NewBytes(size_t size) {
-  return {.data = std::make_unique_for_overwrite<uint8_t[]>(size), .size = size};
-}
-
 // Takes the channel off the front; nothing when there is none that LCM allows.
 std::optional<std::string_view> TakeChannel(std::span<const uint8_t>& bytes) {
   const auto end = std::find(bytes.begin(), bytes.end(), uint8_t{0});
@@ -31,6 +29,14 @@ std::optional<std::string_view> TakeChannel(std::span<const uint8_t>& bytes) {
 }
 
 }  // namespace
+
+MessageBytes MessageBytes::OfSize(size_t size) {
+  try {
+    return {cv::Mat1b(1, static_cast<int>(size))};
+  } catch (const cv::Exception&) {  // OpenCV's own name for it
+    throw std::bad_alloc();
+  }
+}
 
 /// One datagram of several.
 struct DatagramJoiner::Fragment {
@@ -68,9 +74,12 @@ std::optional<DatagramJoiner::Message> DatagramJoiner::AddShort(const Name& name
                                                                 std::span<const uint8_t> rest,
                                                                 Time now) {
   const auto channel = TakeChannel(rest);
-  if (!channel || IsDone(name, now) || !is_wanted_(*channel)) return std::nullopt;
-  Message message{.channel = std::string(*channel), .bytes = NewBytes(rest.size())};
-  std::copy(rest.begin(), rest.end(), message.bytes.data.get());
+  if (!channel || IsDone(name, now)) return std::nullopt;
+  const size_t wanted = wanted_(*channel);
+  if (wanted == 0) return std::nullopt;
+  rest = rest.first(std::min(rest.size(), wanted));
+  Message message{.channel = std::string(*channel), .bytes = MessageBytes::OfSize(rest.size())};
+  std::copy(rest.begin(), rest.end(), message.bytes.memory.data);
   done_.emplace_back(name, now);
   return message;
 }
@@ -91,11 +100,11 @@ std::optional<DatagramJoiner::Message> DatagramJoiner::AddFragment(const Name& n
   if (pending == nullptr || pending->has[fragment.index]) return std::nullopt;
   if (channel) {
     pending->message.channel = *channel;
-    pending->wanted = is_wanted_(*channel);
+    pending->wanted = wanted_(*channel);
   }
   pending->has[fragment.index] = true;
-  if (pending->wanted) {
-    std::copy(rest.begin(), rest.end(), pending->message.bytes.data.get() + fragment.offset);
+  if (fragment.offset < pending->wanted) {
+    std::copy(rest.begin(), rest.end(), pending->message.bytes.memory.data + fragment.offset);
   }
   // Bytes and datagrams of a message end together; otherwise some overlap, and leave holes
   // elsewhere.
@@ -104,7 +113,11 @@ std::optional<DatagramJoiner::Message> DatagramJoiner::AddFragment(const Name& n
   if (pending->missing_bytes > 0) return std::nullopt;
   const bool all = std::find(pending->has.begin(), pending->has.end(), false) == pending->has.end();
   std::optional<Message> whole;
-  if (possible && all && pending->wanted) whole = std::move(pending->message);
+  if (possible && all && pending->wanted > 0) {
+    whole = std::move(pending->message);
+    const size_t wanted = std::min(whole->bytes.size(), pending->wanted);
+    whole->bytes.memory = whole->bytes.memory.colRange(0, static_cast<int>(wanted));
+  }
   DropPending(*pending);
   done_.emplace_back(name, now);
   return whole;
@@ -125,7 +138,7 @@ DatagramJoiner::Pending* DatagramJoiner::FindOrStart(const Name& name, const Fra
   }
   Pending& started = pending_.emplace_back(
       Pending{.name = name,
-              .message = {.channel = {}, .bytes = NewBytes(fragment.message_bytes)},
+              .message = {.channel = {}, .bytes = MessageBytes::OfSize(fragment.message_bytes)},
               .message_bytes = fragment.message_bytes,
               .has = std::vector<bool>(fragment.count),
               .missing_bytes = fragment.message_bytes});

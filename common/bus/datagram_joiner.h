@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <memory>
+#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,12 +14,15 @@
 
 namespace sprout {
 
-/// Bytes of a message, not initialised when allocated.
+/// Bytes of a message, in one row; not initialised when allocated. Copies share them.
 struct MessageBytes {
-  std::unique_ptr<uint8_t[]> data;
-  size_t size = 0;
+  cv::Mat1b memory;
 
-  std::span<const uint8_t> span() const { return {data.get(), size}; }
+  /// @throws std::bad_alloc.
+  static MessageBytes OfSize(size_t size);
+
+  size_t size() const { return memory.total(); }
+  operator std::span<const uint8_t>() const { return {memory.data, size()}; }
 };
 
 /// Assembles the messages of LCM's multicast protocol from their datagrams, which the network may
@@ -55,9 +58,10 @@ class DatagramJoiner {
   /// How long a delivered message is remembered, so that it is not delivered again.
   static constexpr std::chrono::seconds kRemembered{1};
 
-  /// @param is_wanted  whether messages of a channel are of interest.
-  explicit DatagramJoiner(std::function<bool(std::string_view)> is_wanted)
-      : is_wanted_(std::move(is_wanted)) {}
+  /// How many bytes of a channel's messages are of interest, from their beginning: 0 = none.
+  using Wanted = std::function<size_t(std::string_view)>;
+
+  explicit DatagramJoiner(Wanted wanted) : wanted_(std::move(wanted)) {}
 
   /// Takes one datagram, of any content.
   /// @returns the message that this datagram completed, if any.
@@ -76,7 +80,7 @@ class DatagramJoiner {
     size_t message_bytes;
     std::vector<bool> has;  // by number of the datagram
     size_t missing_bytes;
-    bool wanted = true;  // if not, its datagrams are skipped
+    size_t wanted = kMaxMessageBytes;  // what lies behind is skipped
   };
   struct Fragment;
 
@@ -86,7 +90,7 @@ class DatagramJoiner {
   void DropPending(const Pending& pending);
   bool IsDone(const Name& name, Time now);
 
-  std::function<bool(std::string_view)> is_wanted_;
+  Wanted wanted_;
   std::deque<Pending> pending_;  // in order of arrival
   size_t pending_bytes_ = 0;
   std::deque<std::pair<Name, Time>> done_;  // delivered, the newest few

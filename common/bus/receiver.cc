@@ -27,18 +27,22 @@ constexpr std::chrono::seconds kReconnectPeriod{1};
 
 Receiver::Receiver(const std::string& url, const std::string& prefix,
                    const std::vector<std::string_view>& channels, Handler handler, Dropped dropped,
-                   size_t max_queued_bytes)
+                   size_t max_queued_bytes, const std::vector<std::string_view>& heads)
     : prefix_length_(prefix.size()),
       handler_(std::move(handler)),
       dropped_(std::move(dropped)),
       max_queued_bytes_(max_queued_bytes) {
   std::vector<std::string> names;
   for (const std::string_view channel : channels) names.push_back(prefix + std::string(channel));
+  const size_t whole = names.size();
+  for (const std::string_view channel : heads) names.push_back(prefix + std::string(channel));
   if (IsUdpm(url)) {
-    udpm_.emplace(url, [names](std::string_view name) {
-      return std::any_of(names.begin(), names.end(), [&](const std::string& wanted) {
-        return wanted == name || wanted == kAllChannels;
-      });
+    udpm_.emplace(url, [names, whole](std::string_view name) -> size_t {
+      for (size_t i = 0; i < names.size(); ++i) {
+        if (names[i] != name && names[i] != kAllChannels) continue;
+        return i < whole ? DatagramJoiner::kMaxMessageBytes : kHeadBytes;
+      }
+      return 0;
     });
   } else {
     Subscribe(names, url);
@@ -87,9 +91,8 @@ void Receiver::Reconnect() {
 void Receiver::OnMessage(const lcm_recv_buf_t* buffer, const char* channel, void* self) {
   auto* receiver = static_cast<Receiver*>(self);
   try {
-    MessageBytes bytes{.data = std::make_unique_for_overwrite<uint8_t[]>(buffer->data_size),
-                       .size = buffer->data_size};
-    std::memcpy(bytes.data.get(), buffer->data, buffer->data_size);
+    MessageBytes bytes = MessageBytes::OfSize(buffer->data_size);
+    std::memcpy(bytes.memory.data, buffer->data, buffer->data_size);
     receiver->Enqueue(channel, std::move(bytes));
   } catch (const std::bad_alloc&) {  // must not cross LCM's C frames
     if (receiver->dropped_) {
@@ -100,7 +103,7 @@ void Receiver::OnMessage(const lcm_recv_buf_t* buffer, const char* channel, void
 
 void Receiver::Enqueue(std::string_view name, MessageBytes bytes) {
   const std::string_view channel = name.substr(prefix_length_);
-  const size_t taken = bytes.size + kOverheadBytes;
+  const size_t taken = bytes.size() + kOverheadBytes;
   try {
     Message message{.channel = std::string(channel),
                     .bytes = std::move(bytes),
@@ -125,10 +128,10 @@ void Receiver::Handle(const std::stop_token& stop) {
     if (stop.stop_requested()) return;
     const Message message = std::move(queue_.front());
     queue_.pop_front();
-    queued_bytes_ -= message.bytes.size + kOverheadBytes;
+    queued_bytes_ -= message.bytes.size() + kOverheadBytes;
     lock.unlock();
     try {
-      handler_(message.channel, message.bytes.span());
+      handler_(message.channel, message.bytes);
     } catch (const std::exception&) {  // out of memory: must not end the process
       if (dropped_) dropped_(message.channel);
     }

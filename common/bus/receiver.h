@@ -25,8 +25,9 @@ namespace sprout {
 class Receiver {
  public:
   /// Called on the receiver's second thread with the channel (without prefix) and the message's
-  /// bytes, valid during the call. A message whose handler throws counts as dropped.
-  using Handler = std::function<void(std::string_view channel, std::span<const uint8_t> bytes)>;
+  /// bytes; as a span they are valid during the call. A message whose handler throws counts as
+  /// dropped.
+  using Handler = std::function<void(std::string_view channel, const MessageBytes& bytes)>;
 
   /// Called for each message that is dropped: on the first thread because the handler is too slow,
   /// on the second because it threw. Must be thread-safe and quick, and must not throw.
@@ -38,14 +39,20 @@ class Receiver {
   /// Most bytes that wait for the handler: two of the largest messages, some 20 frames of 2 MP.
   static constexpr size_t kMaxQueuedBytes = size_t{1} << 29;
 
+  /// What the type and the frame of a message are read from.
+  static constexpr size_t kHeadBytes = 1024;
+
   /// Subscribes to the channels, or to all of them (kAllChannels), and starts to receive before it
   /// returns. When a tcpq server closes the connection later, reconnects every second; what was
   /// sent in between is lost.
   /// @param max_queued_bytes  messages beyond it are dropped.
+  /// @param heads  of these channels, beside the others, no more than the first kHeadBytes are
+  ///               needed (with tcpq all come).
   /// @throws BusError, see OpenLcm().
   Receiver(const std::string& url, const std::string& prefix,
            const std::vector<std::string_view>& channels, Handler handler, Dropped dropped = {},
-           size_t max_queued_bytes = kMaxQueuedBytes);
+           size_t max_queued_bytes = kMaxQueuedBytes,
+           const std::vector<std::string_view>& heads = {});
 
   /// Stops within 0.1 s; the handler is not called any more.
   ~Receiver() = default;

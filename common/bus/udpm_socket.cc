@@ -54,10 +54,8 @@ int Open(const std::string& url, const UdpmAddress& address) {
 
 }  // namespace
 
-UdpmSocket::UdpmSocket(const std::string& url, std::function<bool(std::string_view)> is_wanted)
-    : address_(RequireUdpmRoute(url)),
-      socket_(Open(url, address_)),
-      joiner_(std::move(is_wanted)) {}
+UdpmSocket::UdpmSocket(const std::string& url, DatagramJoiner::Wanted wanted)
+    : address_(RequireUdpmRoute(url)), socket_(Open(url, address_)), joiner_(std::move(wanted)) {}
 
 UdpmSocket::~UdpmSocket() { close(socket_); }
 

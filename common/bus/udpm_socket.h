@@ -15,10 +15,9 @@ namespace sprout {
 class UdpmSocket {
  public:
   /// Listens from here on.
-  /// @param url        udpm, without errors, see LcmUrlError().
-  /// @param is_wanted  whether messages of a channel are of interest.
+  /// @param url  udpm, without errors, see LcmUrlError().
   /// @throws BusError when there is no multicast route, or the port cannot be bound.
-  UdpmSocket(const std::string& url, std::function<bool(std::string_view)> is_wanted);
+  UdpmSocket(const std::string& url, DatagramJoiner::Wanted wanted);
   ~UdpmSocket();
   UdpmSocket(const UdpmSocket&) = delete;
   UdpmSocket& operator=(const UdpmSocket&) = delete;

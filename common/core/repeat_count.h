@@ -1,6 +1,6 @@
 #pragma once
 
-#include <cstddef>
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <optional>
 
@@ -15,8 +15,8 @@ class RepeatCount {
   int Add(const cv::Mat& image);
 
  private:
-  size_t sparse_ = 0;            // of some rows of the newest image
-  std::optional<size_t> whole_;  // of all of them, where the image before had the same rows
+  uint64_t sparse_ = 0;            // of some rows of the newest image
+  std::optional<uint64_t> whole_;  // of all of them, where the image before had the same rows
   int same_ = 0;
 };
 

@@ -39,9 +39,11 @@ std::vector<Frame> FrameJoiner::Add(const FrameId& id, Part part, PartValue valu
   return complete;
 }
 
-Result<std::vector<Frame>> FrameJoiner::AddMessage(Part part, std::span<const uint8_t> bytes) {
+Result<std::vector<Frame>> FrameJoiner::AddMessage(Part part, std::span<const uint8_t> bytes,
+                                                   const cv::Mat1b& memory) {
   const Result<FrameId> id = DecodeFrameId(bytes);
-  Result<DecodedPart> decoded = DecodePart(part, bytes, id ? ImageSizeOf(*id) : std::nullopt);
+  Result<DecodedPart> decoded =
+      DecodePart(part, bytes, id ? ImageSizeOf(*id) : std::nullopt, memory);
   if (!decoded) return tl::unexpected(decoded.error());
   return Add(decoded->id, part, std::move(decoded->value));
 }

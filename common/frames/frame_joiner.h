@@ -47,8 +47,10 @@ class FrameJoiner {
 
   /// Decodes the message of a part and adds it. A compressed picture or map must have the size
   /// known for its frame (ImageSizeOf()).
+  /// @param memory  as in DecodePart().
   /// @returns as Add(); an error for a message that is refused, see DecodePart().
-  Result<std::vector<Frame>> AddMessage(Part part, std::span<const uint8_t> bytes);
+  Result<std::vector<Frame>> AddMessage(Part part, std::span<const uint8_t> bytes,
+                                        const cv::Mat1b& memory = {});
 
   /// Size of the rectified images of a frame: from its calibration, or else from its first image or
   /// map; nothing when neither has come yet.

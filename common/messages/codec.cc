@@ -5,6 +5,7 @@
 #include <exception>
 #include <initializer_list>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "common/messages/packed.h"
@@ -224,12 +225,19 @@ Result<DecodedPart> ToPart(const Message& message,
   return DecodedPart{std::move(*id), std::move(*value)};
 }
 
+// Values of images share the pixels with `memory`, in which `bytes` are, if it is not empty.
 template <typename Message>
-Result<DecodedPart> Decode(std::span<const uint8_t> bytes, std::optional<cv::Size> expected) {
+Result<DecodedPart> Decode(std::span<const uint8_t> bytes, std::optional<cv::Size> expected,
+                           [[maybe_unused]] const cv::Mat1b& memory) {
   if constexpr (requires(const Message& message) { FromMessage(message, bytes); }) {
     return DecodeInPlace<Message>(bytes).and_then([&](const MessageInPlace<Message>& message) {
-      return ToPart(message.fields, expected,
-                    [&] { return FromMessage(message.fields, message.data); });
+      return ToPart(message.fields, expected, [&] {
+        if constexpr (std::is_same_v<Message, image_t>) {
+          return FromMessage(message.fields, message.data, memory);
+        } else {
+          return FromMessage(message.fields, message.data);
+        }
+      });
     });
   } else {
     return DecodeMessage<Message>(bytes).and_then([&](const Message& message) {
@@ -270,14 +278,16 @@ std::vector<uint8_t> EncodePart(const FrameId& id, [[maybe_unused]] Part part,
 }
 
 Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes,
-                               std::optional<cv::Size> expected) {
+                               std::optional<cv::Size> expected, const cv::Mat1b& memory) {
   if (IsPacked(bytes)) {
     return Unpack(bytes, expected).and_then([&](const std::vector<uint8_t>& message) {
       return DecodePart(part, message, expected);  // which is not packed: no such type is
     });
   }
   Result<DecodedPart> decoded = std::visit(
-      [&]<typename Member>(Member Frame::*) { return Decode<MessageFor<Member>>(bytes, expected); },
+      [&]<typename Member>(Member Frame::*) {
+        return Decode<MessageFor<Member>>(bytes, expected, memory);
+      },
       RowOf(part).member);
   // Only in the robot's frame may a point lie behind the origin.
   if (!decoded || part == Part::kBaseCloud) return decoded;

@@ -38,10 +38,13 @@ struct DecodedPart {
 ///                  map of another size is refused before it is decoded: a few bytes could expand
 ///                  to many. A raw one is accepted, and the stage reports in its answer what does
 ///                  not fit.
+/// @param memory    whose data, in one row, `bytes` are, or empty. Images that are not compressed
+///                  then share it, instead of being copied: nobody may change it any more.
 std::vector<uint8_t> EncodePart(const FrameId& id, Part part, const PartValue& value,
                                 DisparityEncoding encoding = DisparityEncoding::kRawInt16);
 Result<DecodedPart> DecodePart(Part part, std::span<const uint8_t> bytes,
-                               std::optional<cv::Size> expected = std::nullopt);
+                               std::optional<cv::Size> expected = std::nullopt,
+                               const cv::Mat1b& memory = {});
 
 /// Bytes of a message on SPROUT_STATUS.
 std::vector<uint8_t> EncodeStatus(const StageStatus& status);

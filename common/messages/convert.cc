@@ -67,7 +67,8 @@ image_t ToMessage(const FrameId& id, const cv::Mat& image) {
   return message;
 }
 
-Result<cv::Mat> FromMessage(const image_t& message, std::span<const uint8_t> data) {
+Result<cv::Mat> FromMessage(const image_t& message, std::span<const uint8_t> data,
+                            const cv::Mat1b& memory) {
   const int bytes_per_pixel = BytesPerPixel(message.pixel_format);
   const bool jpeg = message.pixel_format == image_t::PIXEL_FORMAT_MJPG;
   Checks checks;
@@ -93,6 +94,10 @@ Result<cv::Mat> FromMessage(const image_t& message, std::span<const uint8_t> dat
   cv::Mat image;
   if (message.pixel_format == image_t::PIXEL_FORMAT_RGB3) {
     cv::cvtColor(view, image, cv::COLOR_RGB2BGR);
+  } else if (!memory.empty() && view.isContinuous()) {
+    const auto start = static_cast<int>(data.data() - memory.data);
+    const auto end = start + static_cast<int>(data.size());
+    image = cv::Mat(memory.colRange(start, end)).reshape(bytes_per_pixel, message.height);
   } else {
     image = view.clone();
   }

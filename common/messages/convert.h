@@ -61,9 +61,11 @@ Result<FrameId> FromMessage(const header_t& message);
 
 /// @param image  8UC1 (sent as GREY) or 8UC3 in BGR order (sent as BGR3).
 image_t ToMessage(const FrameId& id, const cv::Mat& image);
-/// @param data  bytes that are not in the message, but behind it.
+/// @param data    bytes that are not in the message, but behind it.
+/// @param memory  as in DecodePart().
 /// @returns 8UC1 or 8UC3 (BGR); RGB3 is reordered and MJPG decoded on the way.
-Result<cv::Mat> FromMessage(const image_t& message, std::span<const uint8_t> data);
+Result<cv::Mat> FromMessage(const image_t& message, std::span<const uint8_t> data,
+                            const cv::Mat1b& memory = {});
 
 tof_image_t ToMessage(const FrameId& id, const TofImage& tof);
 /// @returns an image with NaN wherever there is no return, see IsReturn().

@@ -62,11 +62,13 @@ class DatagramJoinerTest : public ::testing::Test {
                   DatagramJoiner::Time now = kNow) {
     const auto message = joiner_.Add(sender, datagram, now);
     if (!message) return "";
-    const auto bytes = message->bytes.span();
+    const std::span<const uint8_t> bytes = message->bytes;
     return message->channel + " " + std::string(bytes.begin(), bytes.end());
   }
 
-  DatagramJoiner joiner_{[](std::string_view channel) { return channel != "UNWANTED"; }};
+  DatagramJoiner joiner_{[](std::string_view channel) -> size_t {
+    return channel == "UNWANTED" ? 0 : channel == "HEAD" ? 5 : 1000;
+  }};
 };
 
 TEST_F(DatagramJoinerTest, JoinsDatagramsInAnyOrder) {
@@ -112,6 +114,19 @@ TEST_F(DatagramJoinerTest, TellsSendersApart) {
 TEST_F(DatagramJoinerTest, PassesOverWhatIsNotWanted) {
   EXPECT_EQ(Add(Short(1, "UNWANTED", "abc")), "");
   for (const Datagram& datagram : Three(2, "UNWANTED")) EXPECT_EQ(Add(datagram), "");
+}
+
+TEST_F(DatagramJoinerTest, GivesTheBeginningAloneWhereNoMoreIsWanted) {
+  EXPECT_EQ(Add(Short(1, "HEAD", "abcdefghij")), "HEAD abcde");
+  EXPECT_EQ(Add(Short(2, "HEAD", "abc")), "HEAD abc");
+  std::vector<Datagram> datagrams = Three(3, "HEAD");
+  EXPECT_EQ(Add(datagrams[0]), "");
+  EXPECT_EQ(Add(datagrams[1]), "");
+  EXPECT_EQ(Add(datagrams[2]), "HEAD abcde");  // when all of it has come
+  datagrams = Three(4, "HEAD");
+  EXPECT_EQ(Add(datagrams[2]), "");
+  EXPECT_EQ(Add(datagrams[1]), "");
+  EXPECT_EQ(Add(datagrams[0]), "HEAD abcde");
 }
 
 TEST_F(DatagramJoinerTest, RefusesDatagramsThatCannotBe) {

@@ -45,6 +45,21 @@ TEST(ImageMessage, DoesNotShareMemoryWithTheMessage) {
   ExpectSamePixels(*image, examples::GreyImage());
 }
 
+TEST(ImageMessage, SharesTheMemoryOfTheMessageThatItIsGiven) {
+  for (const cv::Mat& sent : {examples::GreyImage(), examples::BgrImage()}) {
+    cv::Mat received;
+    {
+      const cv::Mat1b memory(EncodePart(examples::Id(), Part::kLeft, sent), true);
+      const cv::Mat1b row = memory.reshape(1, 1);
+      const std::span<const uint8_t> bytes(row.data, row.total());
+      received =
+          std::get<cv::Mat>(Required(DecodePart(Part::kLeft, bytes, std::nullopt, row)).value);
+      EXPECT_EQ(received.data + received.total() * received.elemSize(), row.data + row.total());
+    }
+    ExpectSamePixels(received, sent);  // also when the message is gone
+  }
+}
+
 TEST(ZonesMessage, CarriesAll) {
   EXPECT_EQ(RoundTrip(Part::kTofZones, examples::Zones()), examples::Zones());
   EXPECT_EQ(RoundTrip(Part::kTofZones, TofZones()), TofZones()) << "the sensor gave nothing";
