@@ -38,10 +38,11 @@ struct Survey {
   Survey(const std::string& url, const std::stop_token& stop) {
     if (IsUdpm(url)) {
       const auto newest = std::chrono::steady_clock::now() + kSurveyTime - kOnTheWay;
-      UdpmSocket socket(url, [this, newest](std::string_view channel) {
+      const auto count = [this, newest](std::string_view channel) {
         if (std::chrono::steady_clock::now() < newest) Count(channel, begun);
-        return true;
-      });
+        return size_t{1};  // byte
+      };
+      UdpmSocket socket(url, count, /*short_only=*/false);
       const std::jthread listening([&](const std::stop_token& end) {
         socket.Receive(
             end, [this](const DatagramJoiner::Message& message) { Count(message.channel, whole); });

@@ -21,6 +21,11 @@ inline constexpr std::string_view kProcessChannel = "SPROUT_PROCESS";
 /// Channel of what self-calibration sees, which is no part of a frame: of many.
 inline constexpr std::string_view kRigChangeChannel = "SPROUT_RIG_CHANGE";
 
+/// Whether every message of a channel fits one datagram, whatever its prefix.
+inline constexpr bool IsShort(std::string_view channel) {
+  return channel == kStatusChannel || channel == kRigChangeChannel;
+}
+
 /// Channel of preview pictures for people, in a type of other LCM tools (bot_core.image_t).
 inline constexpr std::string_view kPreviewChannel = "SPROUT_PREVIEW";
 

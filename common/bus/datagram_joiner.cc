@@ -8,7 +8,6 @@ namespace sprout {
 namespace {
 
 constexpr uint32_t kShortMagic = 0x4c433032;  // "LC02"
-constexpr uint32_t kLongMagic = 0x4c433033;   // "LC03"
 constexpr size_t kMaxChannelBytes = 63;
 constexpr size_t kMaxDone = 1024;
 

@@ -46,6 +46,9 @@ class DatagramJoiner {
     MessageBytes bytes;
   };
 
+  /// What a datagram of a longer message begins with: "LC03".
+  static constexpr uint32_t kLongMagic = 0x4c433033;
+
   /// Largest message, as in LCM, bytes.
   static constexpr size_t kMaxMessageBytes = size_t{1} << 28;
 

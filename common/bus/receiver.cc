@@ -6,6 +6,7 @@
 #include <new>
 #include <utility>
 
+#include "common/bus/channels.h"
 #include "common/core/sleep.h"
 
 namespace sprout {
@@ -37,13 +38,14 @@ Receiver::Receiver(const std::string& url, const std::string& prefix,
   const size_t whole = names.size();
   for (const std::string_view channel : heads) names.push_back(prefix + std::string(channel));
   if (IsUdpm(url)) {
-    udpm_.emplace(url, [names, whole](std::string_view name) -> size_t {
+    const auto wanted = [names, whole](std::string_view name) -> size_t {
       for (size_t i = 0; i < names.size(); ++i) {
         if (names[i] != name && names[i] != kAllChannels) continue;
         return i < whole ? DatagramJoiner::kMaxMessageBytes : kHeadBytes;
       }
       return 0;
-    });
+    };
+    udpm_.emplace(url, wanted, heads.empty() && std::ranges::all_of(channels, IsShort));
   } else {
     Subscribe(names, url);
   }

@@ -1,11 +1,14 @@
 #include "common/bus/udpm_socket.h"
 
+#include <linux/filter.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdint>
+#include <iterator>
 #include <new>
 #include <utility>
 #include <vector>
@@ -32,6 +35,18 @@ bool Join(int fd, const in_addr& address) {
   return setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group) == 0;
 }
 
+// Lets the kernel drop the datagrams of long messages, where it can.
+void DropLong(int fd) {
+  constexpr uint32_t kUdpHeader = 8;  // bytes before the magic number
+  sock_filter program[] = {
+      {.code = BPF_LD | BPF_W | BPF_ABS, .jt = 0, .jf = 0, .k = kUdpHeader},
+      {.code = BPF_JMP | BPF_JEQ | BPF_K, .jt = 0, .jf = 1, .k = DatagramJoiner::kLongMagic},
+      {.code = BPF_RET | BPF_K, .jt = 0, .jf = 0, .k = 0},
+      {.code = BPF_RET | BPF_K, .jt = 0, .jf = 0, .k = UINT32_MAX}};
+  const sock_fprog filter{.len = std::size(program), .filter = program};
+  setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter);
+}
+
 // Listens on the group's address only: on any address all that is sent to this host would come,
 // too. The port is shared with all other processes that listen there.
 bool Listen(int fd, const UdpmAddress& address) {
@@ -45,8 +60,9 @@ bool Listen(int fd, const UdpmAddress& address) {
          Join(fd, address.group.sin_addr);
 }
 
-int Open(const std::string& url, const UdpmAddress& address) {
+int Open(const std::string& url, const UdpmAddress& address, bool short_only) {
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (fd >= 0 && short_only) DropLong(fd);
   if (fd >= 0 && Listen(fd, address)) return fd;
   if (fd >= 0) close(fd);
   throw BusError("cannot listen on LCM URL " + url + "; is its port in use?");
@@ -54,8 +70,10 @@ int Open(const std::string& url, const UdpmAddress& address) {
 
 }  // namespace
 
-UdpmSocket::UdpmSocket(const std::string& url, DatagramJoiner::Wanted wanted)
-    : address_(RequireUdpmRoute(url)), socket_(Open(url, address_)), joiner_(std::move(wanted)) {}
+UdpmSocket::UdpmSocket(const std::string& url, DatagramJoiner::Wanted wanted, bool short_only)
+    : address_(RequireUdpmRoute(url)),
+      socket_(Open(url, address_, short_only)),
+      joiner_(std::move(wanted)) {}
 
 UdpmSocket::~UdpmSocket() { close(socket_); }
 

@@ -15,9 +15,11 @@ namespace sprout {
 class UdpmSocket {
  public:
   /// Listens from here on.
-  /// @param url  udpm, without errors, see LcmUrlError().
+  /// @param url         udpm, without errors, see LcmUrlError().
+  /// @param short_only  messages of more than one datagram are not heard; the kernel drops them,
+  ///                    and does not wake this process for images that others send.
   /// @throws BusError when there is no multicast route, or the port cannot be bound.
-  UdpmSocket(const std::string& url, DatagramJoiner::Wanted wanted);
+  UdpmSocket(const std::string& url, DatagramJoiner::Wanted wanted, bool short_only);
   ~UdpmSocket();
   UdpmSocket(const UdpmSocket&) = delete;
   UdpmSocket& operator=(const UdpmSocket&) = delete;

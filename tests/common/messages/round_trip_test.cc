@@ -230,6 +230,18 @@ TEST(ProcessMessage, CarriesEveryField) {
   EXPECT_EQ(info, examples::Process());
 }
 
+// What IsShort() says of their channels.
+TEST(ShortMessages, FitOneDatagramWhateverTheirTexts) {
+  constexpr size_t kLongestChannel = 63, kMaxInOneDatagram = 65'498;
+  const std::string text(100'000, 'x');
+  StageStatus status = examples::Status();
+  status.stage = status.host = status.version = status.config_digest = status.last_error = text;
+  RigChange change = examples::Change();
+  change.reason = text;
+  EXPECT_LT(EncodeStatus(status).size() + kLongestChannel, kMaxInOneDatagram);
+  EXPECT_LT(EncodeRigChange(change).size() + kLongestChannel, kMaxInOneDatagram);
+}
+
 TEST(RigChangeMessage, CarriesEveryField) {
   const RigChange change = Required(DecodeRigChange(EncodeRigChange(examples::Change())));
   EXPECT_EQ(change, examples::Change());
