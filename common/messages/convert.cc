@@ -34,6 +34,17 @@ std::vector<float> ToVector(const cv::Mat1f& values) {
   return {values.begin(), values.end()};
 }
 
+// Shares the memory. OpenCV's filters would look beyond the borders of a part, at what lies around
+// it in the whole; so this one is whole for them.
+cv::Mat PartOf(const cv::Mat1b& memory, std::span<const uint8_t> data) {
+  const auto start = static_cast<int>(data.data() - memory.data);
+  cv::Mat part = memory.colRange(start, start + static_cast<int>(data.size()));
+  part.flags &= ~cv::Mat::SUBMATRIX_FLAG;
+  part.datastart = part.data;
+  part.dataend = part.datalimit = part.data + data.size();
+  return part;
+}
+
 }  // namespace
 
 header_t ToMessage(const FrameId& id) {
@@ -95,9 +106,7 @@ Result<cv::Mat> FromMessage(const image_t& message, std::span<const uint8_t> dat
   if (message.pixel_format == image_t::PIXEL_FORMAT_RGB3) {
     cv::cvtColor(view, image, cv::COLOR_RGB2BGR);
   } else if (!memory.empty() && view.isContinuous()) {
-    const auto start = static_cast<int>(data.data() - memory.data);
-    const auto end = start + static_cast<int>(data.size());
-    image = cv::Mat(memory.colRange(start, end)).reshape(bytes_per_pixel, message.height);
+    image = PartOf(memory, data).reshape(bytes_per_pixel, message.height);
   } else {
     image = view.clone();
   }
