@@ -10,8 +10,7 @@
 #include <utility>
 
 #include "common/core/image.h"
-#include "common/inputs/judge_pair.h"
-#include "common/inputs/judge_ranges.h"
+#include "common/inputs/judges.h"
 
 namespace sprout::inputs {
 namespace {

@@ -1,5 +1,3 @@
-#include "common/inputs/judge_images.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 
 #include "common/core/image.h"
 #include "common/core/quantile.h"
+#include "common/inputs/judges.h"
 
 namespace sprout::inputs {
 namespace {

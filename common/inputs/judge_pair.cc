@@ -1,5 +1,3 @@
-#include "common/inputs/judge_pair.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -11,8 +9,7 @@
 #include <vector>
 
 #include "common/core/quantile.h"
-#include "common/inputs/judge_images.h"
-#include "common/inputs/judge_sides.h"
+#include "common/inputs/judges.h"
 
 namespace sprout::inputs {
 namespace {

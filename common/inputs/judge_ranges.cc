@@ -1,5 +1,3 @@
-#include "common/inputs/judge_ranges.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <string_view>
 
 #include "common/core/tof_image.h"
+#include "common/inputs/judges.h"
 
 namespace sprout::inputs {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/core/joined.h"
-#include "common/inputs/judge_ranges.h"
+#include "common/inputs/judges.h"
 #include "services/refine/range/range_rules.h"
 
 namespace sprout::refine {

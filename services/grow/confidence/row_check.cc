@@ -14,7 +14,7 @@
 #include "common/core/prior_map.h"
 #include "common/core/quantile.h"
 #include "common/core/window_sums.h"
-#include "common/inputs/judge_pair.h"
+#include "common/inputs/judges.h"
 
 namespace sprout::grow {
 namespace {
