@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -75,6 +76,18 @@ template <typename T>
 T Unwrap(Result<T> result) {
   if (!result) throw py::value_error(result.error().text);
   if constexpr (!std::is_void_v<T>) return std::move(*result);
+}
+
+/// What adds properties that cannot be set to a class: a member of it, or what a function gives.
+template <typename Class>
+auto PropertiesOf(Class& python) {
+  return [&python]<typename Get>(const char* name, const char* doc, const Get& get) {
+    if constexpr (std::is_member_object_pointer_v<Get>) {
+      python.def_readonly(name, get, doc);
+    } else {
+      python.def_property_readonly(name, get, doc);
+    }
+  };
 }
 
 /// A rotation from None (there is none), 4 numbers (w, x, y, z) or (3, 3).

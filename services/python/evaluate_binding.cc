@@ -114,51 +114,39 @@ class PyDataset {
 }  // namespace
 
 void BindEvaluate(py::module_& module) {
-  py::class_<Evaluation>(module, "Evaluation",
-                         R"(How well a disparity map matches the truth, as sprout-evaluate says it.
+  py::class_<Evaluation> bound(
+      module, "Evaluation",
+      R"(How well a disparity map matches the truth, as sprout-evaluate says it.
 
-Shares are per cent of the scored pixels; a pixel without a disparity is wrong. NaN when none is scored.)")
-      .def_property_readonly(
-          "scored", [](const Evaluation& e) { return e.accuracy.scored; },
-          "int: pixels whose truth is known, in the mask.")
-      .def_property_readonly("correct_le1", &Figure<&Accuracy::correct_le1_percent>,
-                             "float: error <= 1 px, %.")
-      .def_property_readonly("correct_lt1", &Figure<&Accuracy::correct_lt1_percent>,
-                             "float: error < 1 px, %.")
-      .def_property_readonly("bad05", &Figure<&Accuracy::bad05_percent>,
-                             "float: error > 0.5 px or no disparity, %.")
-      .def_property_readonly("bad2", &Figure<&Accuracy::bad2_percent>,
-                             "float: error > 2 px or no disparity, %.")
-      .def_property_readonly("bad4", &Figure<&Accuracy::bad4_percent>,
-                             "float: error > 4 px or no disparity, %.")
-      .def_property_readonly("d1", &Figure<&Accuracy::d1_percent>,
-                             "float: error > 3 px and > 5 % of the truth, or no disparity, %.")
-      .def_property_readonly("density", &Figure<&Accuracy::density_percent>,
-                             "float: with a disparity, %.")
-      .def_property_readonly("mean_abs_px", &Figure<&Accuracy::mean_abs_px>,
-                             "float: of pixels with a disparity, px.")
-      .def_property_readonly("rms_px", &Figure<&Accuracy::rms_px>,
-                             "float: of pixels with a disparity, px.")
-      .def_property_readonly(
-          "confidence_bad1",
-          [](const Evaluation& e) {
-            return e.confidence ? py::cast(e.confidence->bad1_percent) : py::none();
-          },
-          "Optional[List[float]]: bad 1 of the most trusted 5, 10, ... 100 % of the pixels, %.")
-      .def_property_readonly(
-          "confidence_area",
-          [](const Evaluation& e) {
-            return e.confidence ? py::cast(e.confidence->area_percent) : py::none();
-          },
-          "Optional[float]: area under that curve, %; less is better.")
-      .def_property_readonly(
-          "confidence_oracle_area",
-          [](const Evaluation& e) {
-            return e.confidence ? py::cast(e.confidence->oracle_area_percent) : py::none();
-          },
-          "Optional[float]: the same had the wrong pixels come last.")
-      .def(
-          "__repr__", [](const Evaluation& e) { return Repr(e); }, "__repr__(self) -> str");
+Shares are per cent of the scored pixels; a pixel without a disparity is wrong. NaN when none is scored.)");
+  const auto add = PropertiesOf(bound);
+  add("scored", "int: pixels whose truth is known, in the mask.",
+      [](const Evaluation& e) { return e.accuracy.scored; });
+  add("correct_le1", "float: error <= 1 px, %.", &Figure<&Accuracy::correct_le1_percent>);
+  add("correct_lt1", "float: error < 1 px, %.", &Figure<&Accuracy::correct_lt1_percent>);
+  add("bad05", "float: error > 0.5 px or no disparity, %.", &Figure<&Accuracy::bad05_percent>);
+  add("bad2", "float: error > 2 px or no disparity, %.", &Figure<&Accuracy::bad2_percent>);
+  add("bad4", "float: error > 4 px or no disparity, %.", &Figure<&Accuracy::bad4_percent>);
+  add("d1", "float: error > 3 px and > 5 % of the truth, or no disparity, %.",
+      &Figure<&Accuracy::d1_percent>);
+  add("density", "float: with a disparity, %.", &Figure<&Accuracy::density_percent>);
+  add("mean_abs_px", "float: of pixels with a disparity, px.", &Figure<&Accuracy::mean_abs_px>);
+  add("rms_px", "float: of pixels with a disparity, px.", &Figure<&Accuracy::rms_px>);
+  add("confidence_bad1",
+      "Optional[List[float]]: bad 1 of the most trusted 5, 10, ... 100 % of the pixels, %.",
+      [](const Evaluation& e) {
+        return e.confidence ? py::cast(e.confidence->bad1_percent) : py::none();
+      });
+  add("confidence_area", "Optional[float]: area under that curve, %; less is better.",
+      [](const Evaluation& e) {
+        return e.confidence ? py::cast(e.confidence->area_percent) : py::none();
+      });
+  add("confidence_oracle_area", "Optional[float]: the same had the wrong pixels come last.",
+      [](const Evaluation& e) {
+        return e.confidence ? py::cast(e.confidence->oracle_area_percent) : py::none();
+      });
+  bound.def(
+      "__repr__", [](const Evaluation& e) { return Repr(e); }, "__repr__(self) -> str");
   module.def(
       "evaluate", &Evaluate, py::arg("disparity"), py::arg("truth"),
       py::arg("right_truth") = py::none(), py::arg("mask") = py::none(),

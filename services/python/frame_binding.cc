@@ -238,125 +238,103 @@ PartSet TakeParts(const py::handle& names) {
 }
 
 void BindFrame(py::module_& module) {
-  py::class_<PyFrame> frame(module, "Frame",
+  py::class_<PyFrame> bound(module, "Frame",
                             R"(Everything that one capture led to; None for what is not there.
 
 Maps are of the left image's size and in its pixels. Arrays own their memory and stay valid without the
 frame; of compute() left, right and tof are the arrays that it was given.)");
-  frame
-      .def_property_readonly(
-          "utime", [](const PyFrame& f) { return f.frame.id.utime; },
-          "int: time of the capture, us since 1970 (UTC); 0: not known.")
-      .def_property_readonly(
-          "seq", [](const PyFrame& f) { return f.frame.id.seq; },
-          "int: number of the capture; -1: it has none.")
-      .def_property_readonly(
-          "rig_id", [](const PyFrame& f) { return TextOfBytes(f.frame.id.rig_id); },
-          "str: digest of the calibration.")
-      .def_property_readonly("parts", &PartNames, "List[str]: names of what is there.")
-      .def_property_readonly(
-          "left", [](const PyFrame& f) { return ToArray(f.frame.left); },
-          "Optional[numpy.ndarray]: (H, W) or (H, W, 3) BGR, uint8, rectified.")
-      .def_property_readonly(
-          "right", [](const PyFrame& f) { return ToArray(f.frame.right); },
-          "Optional[numpy.ndarray]: (H, W) or (H, W, 3) BGR, uint8, rectified.")
-      .def_property_readonly(
-          "tof",
-          [](const PyFrame& f) {
-            const auto& tof = f.frame.tof;
-            return tof && !tof->depth_m.empty() ? py::cast(*tof) : py::none();
-          },
-          "Optional[Tof]: the range image.")
-      .def_property_readonly(
-          "tof_zones", [](const PyFrame& f) { return OrNone(f.frame.tof_zones); },
-          "Optional[Zones]: what a multi-zone sensor measured.")
-      .def_property_readonly(
-          "rig", [](const PyFrame& f) { return OrNone(f.frame.rig); },
-          "Optional[Rig]: the calibration.")
-      .def_property_readonly(
-          "seeds", [](const PyFrame& f) { return SeedArray(f.frame.seeds); },
-          "Optional[numpy.ndarray]: (N,) SEED: what growth started from.")
-      .def_property_readonly(
-          "left_seeds", [](const PyFrame& f) { return SeedArray(f.frame.left_seeds); },
-          "Optional[numpy.ndarray]: (N,) SEED: range points that the left camera alone sees.")
-      .def_property_readonly(
-          "seed_counts", &SeedCounts,
-          "Optional[Dict[str, int]]: range points with a return (raw), and those dropped, by why.")
-      .def_property_readonly(
-          "prior", [](const PyFrame& f) { return OrNone(f.frame.prior); },
-          "Optional[PriorMap]: what growth was told to expect.")
-      .def_property_readonly(
-          "unfilled",
-          [](const PyFrame& f) { return ToArray(f.frame.unfilled.value_or(DisparityImage())); },
-          "Optional[numpy.ndarray]: (H, W) float32, px, before gaps were filled; NaN: none.")
-      .def_property_readonly(
-          "disparity", &DisparityArray,
-          "Optional[numpy.ndarray]: (H, W) float32, px, multiples of 1/32; NaN: none.")
-      .def_property_readonly(
-          "confidence", [](const PyFrame& f) { return ToArray(f.frame.confidence); },
-          "Optional[numpy.ndarray]: (H, W) uint8, 255 times the probability that the disparity is "
-          "within 1 px of the true one.")
-      .def_property_readonly(
-          "sigma_px", [](const PyFrame& f) { return SigmaArray(f.frame.sigma); },
-          "Optional[numpy.ndarray]: (H, W) float32, standard deviation of the disparity, px.")
-      .def_property_readonly(
-          "fused",
-          [](const PyFrame& f) { return ToArray(f.frame.fused.value_or(DisparityImage())); },
-          "Optional[numpy.ndarray]: (H, W) float32, px, fused with earlier frames; NaN: none.")
-      .def_property_readonly(
-          "fused_confidence", [](const PyFrame& f) { return ToArray(f.frame.fused_confidence); },
-          "Optional[numpy.ndarray]: (H, W) uint8, 255 times the probability that fused is within 1 "
-          "px of the true one.")
-      .def_property_readonly(
-          "motion", [](const PyFrame& f) { return OrNone(f.frame.motion); },
-          "Optional[Motion]: how the left camera moved since the last frame.")
-      .def_property_readonly(
-          "odometry", [](const PyFrame& f) { return OrNone(f.frame.odometry); },
-          "Optional[Motion]: the same as somebody else knows it.")
-      .def_property_readonly(
-          "depth_m", &DepthArray,
-          "Optional[numpy.ndarray]: (H, W) float32, z, m; NaN: none. Of disparity where rig is of "
-          "its size, or of fused where compute() was told so (depth { input: FUSED }).")
-      .def_property_readonly("depth_sigma_m", &DepthSigmaArray,
-                             "Optional[numpy.ndarray]: (H, W) float32, standard deviation of "
-                             "depth_m where it is of disparity, m; NaN: none, inf: not known.")
-      .def_property_readonly("intrinsics", &IntrinsicsOf,
-                             "Optional[numpy.ndarray]: (3, 3) float64, of depth_m, px.")
-      .def_property_readonly(
-          "depth_counts", &DepthCountsOf,
-          "Optional[Dict[str, int]]: pixels that sprout-depth left out, by why, of all (pixels).")
-      .def_property_readonly(
-          "target_depth_m",
-          [](const PyFrame& f) {
-            return f.frame.target_depth ? ToArray(MetresOf(*f.frame.target_depth))
-                                        : py::object(py::none());
-          },
-          "Optional[numpy.ndarray]: (H, W) float32, z, m, as sprout-depth's target sees it; NaN: "
-          "none.")
-      .def_property_readonly(
-          "target_points", [](const PyFrame& f) { return PositionsOf(f.frame.target_cloud); },
-          "Optional[numpy.ndarray]: (N, 3) float32, m, its points, in the target's frame.")
-      .def_property_readonly(
-          "base_points", [](const PyFrame& f) { return PositionsOf(f.frame.base_cloud); },
-          "Optional[numpy.ndarray]: (N, 3) float32, m, the points of SPROUT_BASE_CLOUD, in the "
-          "robot's frame.")
-      .def_property_readonly(
-          "warnings", [](const PyFrame& f) { return f.warnings; },
-          "List[str]: which stage had nothing to give, and why.")
-      .def_property_readonly(
-          "range_error", [](const PyFrame& f) { return f.range_error; },
-          "str: how far the range sensor is off, its ranges or its pose, as the images show it; "
-          "empty: not at all, or they do not show it.")
-      .def_property_readonly(
-          "truth", [](const PyFrame& f) { return ToArray(f.truth.left); },
-          "Optional[numpy.ndarray]: (H, W) float32, px, of a data set; NaN: not known.")
-      .def_property_readonly(
-          "right_truth", [](const PyFrame& f) { return ToArray(f.truth.right); },
-          "Optional[numpy.ndarray]: the same at the pixels of the right image.")
-      .def_property_readonly(
-          "nonoccluded", [](const PyFrame& f) { return ToArray(f.truth.nonoccluded); },
-          "Optional[numpy.ndarray]: (H, W) uint8, 255 where the data set says that the right "
-          "camera sees the pixel, too; the mask of evaluate(). None: it says nothing.")
+  const auto add = PropertiesOf(bound);
+  add("utime", "int: time of the capture, us since 1970 (UTC); 0: not known.",
+      [](const PyFrame& f) { return f.frame.id.utime; });
+  add("seq", "int: number of the capture; -1: it has none.",
+      [](const PyFrame& f) { return f.frame.id.seq; });
+  add("rig_id", "str: digest of the calibration.",
+      [](const PyFrame& f) { return TextOfBytes(f.frame.id.rig_id); });
+  add("parts", "List[str]: names of what is there.", &PartNames);
+  add("left", "Optional[numpy.ndarray]: (H, W) or (H, W, 3) BGR, uint8, rectified.",
+      [](const PyFrame& f) { return ToArray(f.frame.left); });
+  add("right", "Optional[numpy.ndarray]: (H, W) or (H, W, 3) BGR, uint8, rectified.",
+      [](const PyFrame& f) { return ToArray(f.frame.right); });
+  add("tof", "Optional[Tof]: the range image.", [](const PyFrame& f) {
+    const auto& tof = f.frame.tof;
+    return tof && !tof->depth_m.empty() ? py::cast(*tof) : py::none();
+  });
+  add("tof_zones", "Optional[Zones]: what a multi-zone sensor measured.",
+      [](const PyFrame& f) { return OrNone(f.frame.tof_zones); });
+  add("rig", "Optional[Rig]: the calibration.",
+      [](const PyFrame& f) { return OrNone(f.frame.rig); });
+  add("seeds", "Optional[numpy.ndarray]: (N,) SEED: what growth started from.",
+      [](const PyFrame& f) { return SeedArray(f.frame.seeds); });
+  add("left_seeds",
+      "Optional[numpy.ndarray]: (N,) SEED: range points that the left camera alone sees.",
+      [](const PyFrame& f) { return SeedArray(f.frame.left_seeds); });
+  add("seed_counts",
+      "Optional[Dict[str, int]]: range points with a return (raw), and those dropped, by why.",
+      &SeedCounts);
+  add("prior", "Optional[PriorMap]: what growth was told to expect.",
+      [](const PyFrame& f) { return OrNone(f.frame.prior); });
+  add("unfilled",
+      "Optional[numpy.ndarray]: (H, W) float32, px, before gaps were filled; NaN: none.",
+      [](const PyFrame& f) { return ToArray(f.frame.unfilled.value_or(DisparityImage())); });
+  add("disparity", "Optional[numpy.ndarray]: (H, W) float32, px, multiples of 1/32; NaN: none.",
+      &DisparityArray);
+  add("confidence",
+      "Optional[numpy.ndarray]: (H, W) uint8, 255 times the probability that the disparity is "
+      "within 1 px of the true one.",
+      [](const PyFrame& f) { return ToArray(f.frame.confidence); });
+  add("sigma_px",
+      "Optional[numpy.ndarray]: (H, W) float32, standard deviation of the disparity, px.",
+      [](const PyFrame& f) { return SigmaArray(f.frame.sigma); });
+  add("fused", "Optional[numpy.ndarray]: (H, W) float32, px, fused with earlier frames; NaN: none.",
+      [](const PyFrame& f) { return ToArray(f.frame.fused.value_or(DisparityImage())); });
+  add("fused_confidence",
+      "Optional[numpy.ndarray]: (H, W) uint8, 255 times the probability that fused is within 1 "
+      "px of the true one.",
+      [](const PyFrame& f) { return ToArray(f.frame.fused_confidence); });
+  add("motion", "Optional[Motion]: how the left camera moved since the last frame.",
+      [](const PyFrame& f) { return OrNone(f.frame.motion); });
+  add("odometry", "Optional[Motion]: the same as somebody else knows it.",
+      [](const PyFrame& f) { return OrNone(f.frame.odometry); });
+  add("depth_m",
+      "Optional[numpy.ndarray]: (H, W) float32, z, m; NaN: none. Of disparity where rig is of "
+      "its size, or of fused where compute() was told so (depth { input: FUSED }).",
+      &DepthArray);
+  add("depth_sigma_m",
+      "Optional[numpy.ndarray]: (H, W) float32, standard deviation of "
+      "depth_m where it is of disparity, m; NaN: none, inf: not known.",
+      &DepthSigmaArray);
+  add("intrinsics", "Optional[numpy.ndarray]: (3, 3) float64, of depth_m, px.", &IntrinsicsOf);
+  add("depth_counts",
+      "Optional[Dict[str, int]]: pixels that sprout-depth left out, by why, of all (pixels).",
+      &DepthCountsOf);
+  add("target_depth_m",
+      "Optional[numpy.ndarray]: (H, W) float32, z, m, as sprout-depth's target sees it; NaN: "
+      "none.",
+      [](const PyFrame& f) {
+        return f.frame.target_depth ? ToArray(MetresOf(*f.frame.target_depth))
+                                    : py::object(py::none());
+      });
+  add("target_points",
+      "Optional[numpy.ndarray]: (N, 3) float32, m, its points, in the target's frame.",
+      [](const PyFrame& f) { return PositionsOf(f.frame.target_cloud); });
+  add("base_points",
+      "Optional[numpy.ndarray]: (N, 3) float32, m, the points of SPROUT_BASE_CLOUD, in the "
+      "robot's frame.",
+      [](const PyFrame& f) { return PositionsOf(f.frame.base_cloud); });
+  add("warnings", "List[str]: which stage had nothing to give, and why.", &PyFrame::warnings);
+  add("range_error",
+      "str: how far the range sensor is off, its ranges or its pose, as the images show it; "
+      "empty: not at all, or they do not show it.",
+      &PyFrame::range_error);
+  add("truth", "Optional[numpy.ndarray]: (H, W) float32, px, of a data set; NaN: not known.",
+      [](const PyFrame& f) { return ToArray(f.truth.left); });
+  add("right_truth", "Optional[numpy.ndarray]: the same at the pixels of the right image.",
+      [](const PyFrame& f) { return ToArray(f.truth.right); });
+  add("nonoccluded",
+      "Optional[numpy.ndarray]: (H, W) uint8, 255 where the data set says that the right "
+      "camera sees the pixel, too; the mask of evaluate(). None: it says nothing.",
+      [](const PyFrame& f) { return ToArray(f.truth.nonoccluded); });
+  bound
       .def("write_ply", &WritePly, py::arg("path"), py::arg("mesh") = false,
            R"(write_ply(self, path: Union[str, os.PathLike[str]], mesh: bool = ...) -> None
 
@@ -364,7 +342,7 @@ Writes the coloured points, or with mesh a surface cut at depth edges; m, as poi
 "confidence" when the frame has one.)")
       .def(
           "__repr__", [](const PyFrame& f) { return Repr(f); }, "__repr__(self) -> str");
-  frame.def("points", &Points, py::arg("colors") = false,
+  bound.def("points", &Points, py::arg("colors") = false,
             R"(points(*args, **kwargs)
 Overloaded function.
 

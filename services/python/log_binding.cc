@@ -216,8 +216,8 @@ void BindLogFrames(py::module_& module) {
 
 void BindLog(py::module_& module) {
   BindLogFrames(module);
-  py::class_<PyLog>(module, "Log",
-                    R"(The frames of a log that lcm-logger, sprout-record or a replay wrote.
+  py::class_<PyLog> bound(module, "Log",
+                          R"(The frames of a log that lcm-logger, sprout-record or a replay wrote.
 
     with sprout.Log("run.lcm") as log:
         for frame in log.frames():
@@ -226,7 +226,9 @@ void BindLog(py::module_& module) {
 Damage is skipped (damage says where), compressed maps and pictures are decoded. frames() takes the
 memory of one frame, whatever the length of the log; len(), [], seek() and channels look through the
 whole log once, and then know where its frames stand (300 bytes each). For one thread at a time; reads
-without the interpreter's lock.)")
+without the interpreter's lock.)");
+  const auto add = PropertiesOf(bound);
+  bound
       .def(py::init<fs::path, std::string>(), py::arg("path"), py::arg("prefix") = "",
            R"(__init__(self, path: Union[str, os.PathLike[str]], prefix: str = ...) -> None
 
@@ -253,25 +255,18 @@ start: number of the first one, from 0, as seek() gives it.)")
            R"(seek(self, seq: Optional[int] = ..., utime: Optional[int] = ...) -> int
 
 Place in the log of the first frame with this seq, or of the first one not before utime (us); for
-log[place] and frames(start=place). KeyError when there is none.)")
-      .def_property_readonly(
-          "channels",
-          [](PyLog& log) {
-            py::dict channels;
-            for (const auto& [name, count] : log.Look().channels)
-              channels[TextOfBytes(name)] = count;
-            return channels;
-          },
-          "Dict[str, int]: events of each channel.")
-      .def_property_readonly("damage", &DamageOf,
-                             "List[str]: unreadable stretches, where and how long.")
-      .def_property_readonly(
-          "bad_messages", [](PyLog& log) { return log.refused().count; },
-          "int: messages that len(), [] and the like could not use.")
-      .def_property_readonly(
-          "path", [](const PyLog& log) { return TextOfBytes(log.path().string()); },
-          "str: of the file.")
-      .def("close", &PyLog::Close, "close(self) -> None")
+log[place] and frames(start=place). KeyError when there is none.)");
+  add("channels", "Dict[str, int]: events of each channel.", [](PyLog& log) {
+    py::dict channels;
+    for (const auto& [name, count] : log.Look().channels) channels[TextOfBytes(name)] = count;
+    return channels;
+  });
+  add("damage", "List[str]: unreadable stretches, where and how long.", &DamageOf);
+  add("bad_messages", "int: messages that len(), [] and the like could not use.",
+      [](PyLog& log) { return log.refused().count; });
+  add("path", "str: of the file.",
+      [](const PyLog& log) { return TextOfBytes(log.path().string()); });
+  bound.def("close", &PyLog::Close, "close(self) -> None")
       .def(
           "__enter__", [](py::object self) { return self; }, "__enter__(self) -> Log")
       .def(

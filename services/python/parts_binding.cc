@@ -172,64 +172,55 @@ all or (H, W) float32; kept in 1/16 px, 16 px is as good as not knowing.)")
 }
 
 void BindMotion(py::module_& module) {
-  py::class_<CameraMotion>(module, "Motion",
-                           R"(How the left camera moved, from its images.
+  py::class_<CameraMotion> bound(module, "Motion",
+                                 R"(How the left camera moved, from its images.
 
 A pose T takes a point from the camera's frame now to the frame it had then (m; x right, y down,
-z forward): point_then = T[:3, :3] @ point_now + T[:3, 3].)")
-      .def_property_readonly(
-          "last_from_left", [](const CameraMotion& m) { return MatrixOf(m.last_from_left); },
-          "numpy.ndarray: (4, 4) float64, pose in the frame of last_seq; that of no motion after a "
-          "reset.")
-      .def_property_readonly(
-          "start_from_left", [](const CameraMotion& m) { return MatrixOf(m.start_from_left); },
-          "numpy.ndarray: (4, 4) float64, pose in the frame of start_seq.")
-      .def_property_readonly(
-          "covariance",
-          [](const CameraMotion& m) {
-            return py::array_t<double>({6, 6}, m.covariance.data());
-          },
-          "numpy.ndarray: (6, 6) float64, of last_from_left: rotation vector (rad), translation "
-          "(m); 0 after a reset.")
-      .def_property_readonly(
-          "last_seq", [](const CameraMotion& m) { return m.last_seq; },
-          "int: number of the frame before; of this one after a reset.")
-      .def_property_readonly(
-          "start_seq", [](const CameraMotion& m) { return m.start_seq; },
-          "int: number of the frame of the newest reset.")
-      .def_property_readonly(
-          "tracked", [](const CameraMotion& m) { return m.tracked; },
-          "int: points found in both images.")
-      .def_property_readonly(
-          "inliers", [](const CameraMotion& m) { return m.inliers; },
-          "int: points that move as the camera says.")
-      .def_property_readonly(
-          "reset", [](const CameraMotion& m) { return std::string(NameOf(m.reset)); },
-          "str: why earlier frames were forgotten, as motion_t's RESET constants: \"NONE\" when "
-          "they were not.")
-      .def_property_readonly(
-          "resets", [](const CameraMotion& m) { return m.resets; },
-          "int: resets so far, without the first frame.")
-      .def(
-          "__repr__",
-          [](const CameraMotion& m) {
-            return "<sprout.Motion " + std::string(NameOf(m.reset)) + " " +
-                   std::to_string(m.inliers) + " of " + std::to_string(m.tracked) + " points>";
-          },
-          "__repr__(self) -> str");
+z forward): point_then = T[:3, :3] @ point_now + T[:3, 3].)");
+  const auto add = PropertiesOf(bound);
+  add("last_from_left",
+      "numpy.ndarray: (4, 4) float64, pose in the frame of last_seq; that of no motion after a "
+      "reset.",
+      [](const CameraMotion& m) { return MatrixOf(m.last_from_left); });
+  add("start_from_left", "numpy.ndarray: (4, 4) float64, pose in the frame of start_seq.",
+      [](const CameraMotion& m) { return MatrixOf(m.start_from_left); });
+  add("covariance",
+      "numpy.ndarray: (6, 6) float64, of last_from_left: rotation vector (rad), translation "
+      "(m); 0 after a reset.",
+      [](const CameraMotion& m) {
+        return py::array_t<double>({6, 6}, m.covariance.data());
+      });
+  add("last_seq", "int: number of the frame before; of this one after a reset.",
+      &CameraMotion::last_seq);
+  add("start_seq", "int: number of the frame of the newest reset.", &CameraMotion::start_seq);
+  add("tracked", "int: points found in both images.", &CameraMotion::tracked);
+  add("inliers", "int: points that move as the camera says.", &CameraMotion::inliers);
+  add("reset",
+      "str: why earlier frames were forgotten, as motion_t's RESET constants: \"NONE\" when "
+      "they were not.",
+      [](const CameraMotion& m) { return std::string(NameOf(m.reset)); });
+  add("resets", "int: resets so far, without the first frame.", &CameraMotion::resets);
+  bound.def(
+      "__repr__",
+      [](const CameraMotion& m) {
+        return "<sprout.Motion " + std::string(NameOf(m.reset)) + " " + std::to_string(m.inliers) +
+               " of " + std::to_string(m.tracked) + " points>";
+      },
+      "__repr__(self) -> str");
 }
 
 void BindZones(py::module_& module) {
-  py::class_<TofZones>(
+  py::class_<TofZones> bound(
       module, "Zones",
       R"(What a multi-zone range sensor measured: R x C zones, up to N targets in each.
 
-A zone speaks of an area, not of a pixel, so this is no range image.)")
-      .def(
-          py::init(&MakeZones), py::arg("depth_m"), py::arg("sigma_m"), py::arg("views"),
-          py::arg("doubtful") = py::none(), py::arg("mode") = "MEAN",
-          py::arg("rotation") = py::none(), py::arg("translation_m") = std::array<double, 3>{},
-          R"(__init__(self, depth_m: numpy.ndarray, sigma_m: numpy.ndarray, views: numpy.ndarray, doubtful: Optional[numpy.ndarray] = ..., mode: str = ..., rotation: Any = ..., translation_m: Sequence[float] = ...) -> None
+A zone speaks of an area, not of a pixel, so this is no range image.)");
+  const auto add = PropertiesOf(bound);
+  bound.def(
+      py::init(&MakeZones), py::arg("depth_m"), py::arg("sigma_m"), py::arg("views"),
+      py::arg("doubtful") = py::none(), py::arg("mode") = "MEAN", py::arg("rotation") = py::none(),
+      py::arg("translation_m") = std::array<double, 3>{},
+      R"(__init__(self, depth_m: numpy.ndarray, sigma_m: numpy.ndarray, views: numpy.ndarray, doubtful: Optional[numpy.ndarray] = ..., mode: str = ..., rotation: Any = ..., translation_m: Sequence[float] = ...) -> None
 
 depth_m: (R, C) or (R, C, N) float32, m along the sensor's axis (z, not the range); 0 or NaN: no target.
 sigma_m: of the same shape, standard deviation, m. MEAN: of the depths that the light comes from, with
@@ -239,50 +230,32 @@ ends, y / z where it begins and ends.
 doubtful: bool of depth_m's shape: perhaps a target, little light; None: all are sure.
 mode: MEAN or NEAREST: which distance of a target depth_m is.
 rotation: of the sensor, (3, 3) or quaternion w, x, y, z; translation_m: its place in the left camera's
-frame (x right, y down, z forward).)")
-      .def_property_readonly(
-          "depth_m",
-          [](const TofZones& zones) {
-            return TargetArray<float>(zones, [](const ZoneTarget& t) { return t.depth_m; });
-          },
-          "numpy.ndarray: (R, C, N) float32, m; 0: no target.")
-      .def_property_readonly(
-          "sigma_m",
-          [](const TofZones& zones) {
-            return TargetArray<float>(zones, [](const ZoneTarget& t) { return t.sigma_m; });
-          },
-          "numpy.ndarray: (R, C, N) float32, m; 0: no target.")
-      .def_property_readonly(
-          "doubtful",
-          [](const TofZones& zones) {
-            return TargetArray<bool>(
-                zones, [](const ZoneTarget& t) { return t.status == TargetStatus::kDoubtful; });
-          },
-          "numpy.ndarray: (R, C, N) bool.")
-      .def_property_readonly("views", &ViewArray, "numpy.ndarray: (R, C, 4) float32.")
-      .def_property_readonly(
-          "mode",
-          [](const TofZones& zones) { return zones.mode == ZoneMode::kMean ? "MEAN" : "NEAREST"; },
-          "str: MEAN or NEAREST.")
-      .def_property_readonly(
-          "rotation",
-          [](const TofZones& zones) -> Eigen::Matrix3d {
-            return zones.left_from_sensor.rotation.toRotationMatrix();
-          },
-          "numpy.ndarray: (3, 3) float64.")
-      .def_property_readonly(
-          "translation_m",
-          [](const TofZones& zones) -> Eigen::Vector3d {
-            return zones.left_from_sensor.translation_m;
-          },
-          "numpy.ndarray: (3,) float64, m.")
-      .def(
-          "__repr__",
-          [](const TofZones& zones) {
-            return "<sprout.Zones " + std::to_string(zones.columns) + "x" +
-                   std::to_string(zones.rows) + ">";
-          },
-          "__repr__(self) -> str");
+frame (x right, y down, z forward).)");
+  add("depth_m", "numpy.ndarray: (R, C, N) float32, m; 0: no target.",
+      [](const TofZones& zones) { return TargetArray<float>(zones, &ZoneTarget::depth_m); });
+  add("sigma_m", "numpy.ndarray: (R, C, N) float32, m; 0: no target.",
+      [](const TofZones& zones) { return TargetArray<float>(zones, &ZoneTarget::sigma_m); });
+  add("doubtful", "numpy.ndarray: (R, C, N) bool.", [](const TofZones& zones) {
+    return TargetArray<bool>(
+        zones, [](const ZoneTarget& t) { return t.status == TargetStatus::kDoubtful; });
+  });
+  add("views", "numpy.ndarray: (R, C, 4) float32.", &ViewArray);
+  add("mode", "str: MEAN or NEAREST.",
+      [](const TofZones& zones) { return zones.mode == ZoneMode::kMean ? "MEAN" : "NEAREST"; });
+  add("rotation", "numpy.ndarray: (3, 3) float64.", [](const TofZones& zones) -> Eigen::Matrix3d {
+    return zones.left_from_sensor.rotation.toRotationMatrix();
+  });
+  add("translation_m", "numpy.ndarray: (3,) float64, m.",
+      [](const TofZones& zones) -> Eigen::Vector3d {
+        return zones.left_from_sensor.translation_m;
+      });
+  bound.def(
+      "__repr__",
+      [](const TofZones& zones) {
+        return "<sprout.Zones " + std::to_string(zones.columns) + "x" + std::to_string(zones.rows) +
+               ">";
+      },
+      "__repr__(self) -> str");
 }
 
 }  // namespace sprout::python

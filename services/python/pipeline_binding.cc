@@ -176,33 +176,29 @@ Forgets all frames, where the pipeline has a memory (temporal { in_pipeline: tru
 }
 
 void BindInputs(py::module_& module) {
-  py::class_<inputs::Finding>(module, "Finding", "The answer to one question of check_inputs().")
-      .def_property_readonly(
-          "question", [](const inputs::Finding& f) { return std::string(NameOf(f.question)); },
-          "str: 'scene', 'time', 'sides', 'rows', 'bits', 'contrast', 'hits', 'place', 'scale' or "
-          "'moment'.")
-      .def_property_readonly(
-          "verdict", [](const inputs::Finding& f) { return std::string(NameOf(f.verdict)); },
-          "str: 'good', 'bad' or 'cannot tell'.")
-      .def_property_readonly(
-          "value", [](const inputs::Finding& f) { return f.value; },
-          "float: the figure that decided, in `unit`; NaN: not known.")
-      .def_property_readonly(
-          "sigma", [](const inputs::Finding& f) { return f.sigma; },
-          "float: its standard deviation; NaN: not known.")
-      .def_property_readonly(
-          "unit", [](const inputs::Finding& f) { return std::string(UnitOf(f.question)); },
-          "str: of value and sigma: '%', 'px', or '1' for a factor.")
-      .def_property_readonly(
-          "text", [](const inputs::Finding& f) { return f.text; },
-          "str: one line: what was found, and where it is bad, the cure.")
-      .def(
-          "__repr__",
-          [](const inputs::Finding& f) {
-            return fmt::format("<sprout.Finding {}: {}: {}>", NameOf(f.question), NameOf(f.verdict),
-                               f.text);
-          },
-          "__repr__(self) -> str");
+  py::class_<inputs::Finding> bound(module, "Finding",
+                                    "The answer to one question of check_inputs().");
+  const auto add = PropertiesOf(bound);
+  add("question",
+      "str: 'scene', 'time', 'sides', 'rows', 'bits', 'contrast', 'hits', 'place', 'scale' or "
+      "'moment'.",
+      [](const inputs::Finding& f) { return std::string(NameOf(f.question)); });
+  add("verdict", "str: 'good', 'bad' or 'cannot tell'.",
+      [](const inputs::Finding& f) { return std::string(NameOf(f.verdict)); });
+  add("value", "float: the figure that decided, in `unit`; NaN: not known.",
+      &inputs::Finding::value);
+  add("sigma", "float: its standard deviation; NaN: not known.", &inputs::Finding::sigma);
+  add("unit", "str: of value and sigma: '%', 'px', or '1' for a factor.",
+      [](const inputs::Finding& f) { return std::string(UnitOf(f.question)); });
+  add("text", "str: one line: what was found, and where it is bad, the cure.",
+      &inputs::Finding::text);
+  bound.def(
+      "__repr__",
+      [](const inputs::Finding& f) {
+        return fmt::format("<sprout.Finding {}: {}: {}>", NameOf(f.question), NameOf(f.verdict),
+                           f.text);
+      },
+      "__repr__(self) -> str");
   module.def(
       "check_inputs", &CheckInputsOf, py::arg("left"), py::arg("right"), py::arg("tof"),
       py::arg("rig"),

@@ -137,34 +137,33 @@ Rig WithTof(Rig rig, const TofCamera& tof) {
 }
 
 void BindTofCamera(py::module_& module) {
-  py::class_<TofCamera>(module, "TofCamera",
-                        R"(The range camera of a Rig: pinhole, lens, pose. Cannot be changed.)")
-      .def(
-          py::init(&MakeTof), py::arg("width"), py::arg("height"), py::arg("fx"), py::arg("fy"),
-          py::arg("cx"), py::arg("cy"), py::arg("distortion") = Distortion{},
-          py::arg("rotation") = py::none(), py::arg("translation_m") = std::array<double, 3>{},
-          R"(__init__(self, width: int, height: int, fx: float, fy: float, cx: float, cy: float, distortion: Sequence[float] = ..., rotation: Any = ..., translation_m: Sequence[float] = ...) -> None
+  py::class_<TofCamera> bound(
+      module, "TofCamera", R"(The range camera of a Rig: pinhole, lens, pose. Cannot be changed.)");
+  const auto add = PropertiesOf(bound);
+  bound.def(
+      py::init(&MakeTof), py::arg("width"), py::arg("height"), py::arg("fx"), py::arg("fy"),
+      py::arg("cx"), py::arg("cy"), py::arg("distortion") = Distortion{},
+      py::arg("rotation") = py::none(), py::arg("translation_m") = std::array<double, 3>{},
+      R"(__init__(self, width: int, height: int, fx: float, fy: float, cx: float, cy: float, distortion: Sequence[float] = ..., rotation: Any = ..., translation_m: Sequence[float] = ...) -> None
 
 Sizes, focal lengths and principal point in px; distortion k1, k2, p1, p2, k3 (OpenCV's order).
 point_in_left = rotation * point_in_tof + translation_m (m; x right, y down, z forward). rotation is a
-3x3 matrix, or a quaternion (w, x, y, z); None: the left rectified camera's.)")
-      .def_readonly("width", &TofCamera::width, "int: px.")
-      .def_readonly("height", &TofCamera::height, "int: px.")
-      .def_readonly("fx", &TofCamera::fx, "float: focal length, px.")
-      .def_readonly("fy", &TofCamera::fy, "float: focal length, px.")
-      .def_readonly("cx", &TofCamera::cx, "float: principal point, px.")
-      .def_readonly("cy", &TofCamera::cy, "float: principal point, px.")
-      .def_readonly("distortion", &TofCamera::distortion, "List[float]: k1, k2, p1, p2, k3.")
-      .def_property_readonly(
-          "rotation",
-          [](const TofCamera& tof) {
-            return Eigen::Matrix3d(tof.left_from_tof_rotation.toRotationMatrix());
-          },
-          "numpy.ndarray: (3, 3) float64, of the ToF camera in the left rectified frame.")
-      .def_property_readonly(
-          "translation_m",
-          [](const TofCamera& tof) { return Eigen::Vector3d(tof.left_from_tof_translation_m); },
-          "numpy.ndarray: (3,) float64, m, where it stands in the left rectified frame.")
+3x3 matrix, or a quaternion (w, x, y, z); None: the left rectified camera's.)");
+  add("width", "int: px.", &TofCamera::width);
+  add("height", "int: px.", &TofCamera::height);
+  add("fx", "float: focal length, px.", &TofCamera::fx);
+  add("fy", "float: focal length, px.", &TofCamera::fy);
+  add("cx", "float: principal point, px.", &TofCamera::cx);
+  add("cy", "float: principal point, px.", &TofCamera::cy);
+  add("distortion", "List[float]: k1, k2, p1, p2, k3.", &TofCamera::distortion);
+  add("rotation", "numpy.ndarray: (3, 3) float64, of the ToF camera in the left rectified frame.",
+      [](const TofCamera& tof) {
+        return Eigen::Matrix3d(tof.left_from_tof_rotation.toRotationMatrix());
+      });
+  add("translation_m",
+      "numpy.ndarray: (3,) float64, m, where it stands in the left rectified frame.",
+      [](const TofCamera& tof) { return Eigen::Vector3d(tof.left_from_tof_translation_m); });
+  bound
       .def(
           "to_dict", [](const TofCamera& tof) { return DictOf(tof); },
           "to_dict(self) -> Dict[str, Any]\n\nWhat from_dict() takes; plain numbers and tuples.")
@@ -204,11 +203,13 @@ Eigen::Quaternion<double, Eigen::DontAlign> TakeRotation(const py::handle& rotat
 
 void BindRig(py::module_& module) {
   BindTofCamera(module);
-  py::class_<Rig>(module, "Rig",
-                  R"(Calibration of a rectified pair, and of its range camera if there is one.
+  py::class_<Rig> bound(module, "Rig",
+                        R"(Calibration of a rectified pair, and of its range camera if there is one.
 
 Depth of a disparity d: z = focal_px * baseline_m / (d + cx_right - cx). Cannot be changed; can be
-pickled.)")
+pickled.)");
+  const auto add = PropertiesOf(bound);
+  bound
       .def(
           py::init(&MakeRig), py::arg("width"), py::arg("height"), py::arg("focal_px"),
           py::arg("baseline_m"), py::arg("cx") = py::none(), py::arg("cy") = py::none(),
@@ -260,41 +261,26 @@ From the (4, 4) matrix Q of cv2.stereoRectify(), with translations in m.)")
           py::arg("width"), py::arg("height"),
           R"(with_aligned_tof(self, width: int, height: int) -> Rig
 
-The same pair with a range camera that shows what the left one shows, at this resolution.)")
-      .def_property_readonly(
-          "width", [](const Rig& rig) { return rig.pair.width; }, "int: px.")
-      .def_property_readonly(
-          "height", [](const Rig& rig) { return rig.pair.height; }, "int: px.")
-      .def_property_readonly(
-          "focal_px", [](const Rig& rig) { return rig.pair.focal_px; }, "float: focal length, px.")
-      .def_property_readonly(
-          "baseline_m", [](const Rig& rig) { return rig.pair.baseline_m; },
-          "float: distance of the cameras, m.")
-      .def_property_readonly(
-          "cx", [](const Rig& rig) { return rig.pair.cx; },
-          "float: column of the left principal point, px.")
-      .def_property_readonly(
-          "cy", [](const Rig& rig) { return rig.pair.cy; },
-          "float: row of both principal points, px.")
-      .def_property_readonly(
-          "cx_right", [](const Rig& rig) { return rig.pair.cx_right; },
-          "float: column of the right principal point, px.")
-      .def_property_readonly(
-          "tof",
-          [](const Rig& rig) {
-            return rig.tof.width > 0 ? std::optional<TofCamera>(rig.tof) : std::nullopt;
-          },
-          "Optional[TofCamera]: the range camera; None: there is none.")
-      .def_property_readonly(
-          "rig_id", [](const Rig& rig) { return RigId(rig); },
-          "str: digest, equal for equal numbers on every machine.")
-      .def_property_readonly(
-          "K",
-          [](const Rig& rig) { return Intrinsics(rig.pair.focal_px, rig.pair.cx, rig.pair.cy); },
-          "numpy.ndarray: (3, 3) float64, intrinsics of the left image and of its depth, px.")
-      .def_property_readonly("Q", &QOf,
-                             "numpy.ndarray: (4, 4) float64, as cv2.reprojectImageTo3D() takes it.")
-      .def("__eq__", &SameRig, "__eq__(self, other: object) -> bool")
+The same pair with a range camera that shows what the left one shows, at this resolution.)");
+  add("width", "int: px.", [](const Rig& rig) { return rig.pair.width; });
+  add("height", "int: px.", [](const Rig& rig) { return rig.pair.height; });
+  add("focal_px", "float: focal length, px.", [](const Rig& rig) { return rig.pair.focal_px; });
+  add("baseline_m", "float: distance of the cameras, m.",
+      [](const Rig& rig) { return rig.pair.baseline_m; });
+  add("cx", "float: column of the left principal point, px.",
+      [](const Rig& rig) { return rig.pair.cx; });
+  add("cy", "float: row of both principal points, px.", [](const Rig& rig) { return rig.pair.cy; });
+  add("cx_right", "float: column of the right principal point, px.",
+      [](const Rig& rig) { return rig.pair.cx_right; });
+  add("tof", "Optional[TofCamera]: the range camera; None: there is none.", [](const Rig& rig) {
+    return rig.tof.width > 0 ? std::optional<TofCamera>(rig.tof) : std::nullopt;
+  });
+  add("rig_id", "str: digest, equal for equal numbers on every machine.",
+      [](const Rig& rig) { return RigId(rig); });
+  add("K", "numpy.ndarray: (3, 3) float64, intrinsics of the left image and of its depth, px.",
+      [](const Rig& rig) { return Intrinsics(rig.pair.focal_px, rig.pair.cx, rig.pair.cy); });
+  add("Q", "numpy.ndarray: (4, 4) float64, as cv2.reprojectImageTo3D() takes it.", &QOf);
+  bound.def("__eq__", &SameRig, "__eq__(self, other: object) -> bool")
       .def(
           "__hash__", [](const Rig& rig) { return py::hash(py::str(RigId(rig))); },
           "__hash__(self) -> int")
