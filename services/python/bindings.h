@@ -90,6 +90,12 @@ auto PropertiesOf(Class& python) {
   };
 }
 
+/// Adds what repr() of an object gives.
+template <typename Class, typename Get>
+void AddRepr(Class& python, const Get& get) {
+  python.def("__repr__", get, "__repr__(self) -> str");
+}
+
 /// A rotation from None (there is none), 4 numbers (w, x, y, z) or (3, 3).
 Eigen::Quaternion<double, Eigen::DontAlign> TakeRotation(const py::handle& rotation);
 

@@ -145,8 +145,7 @@ Shares are per cent of the scored pixels; a pixel without a disparity is wrong. 
       [](const Evaluation& e) {
         return e.confidence ? py::cast(e.confidence->oracle_area_percent) : py::none();
       });
-  bound.def(
-      "__repr__", [](const Evaluation& e) { return Repr(e); }, "__repr__(self) -> str");
+  AddRepr(bound, [](const Evaluation& e) { return Repr(e); });
   module.def(
       "evaluate", &Evaluate, py::arg("disparity"), py::arg("truth"),
       py::arg("right_truth") = py::none(), py::arg("mask") = py::none(),
@@ -159,12 +158,13 @@ truth and, if it is there, right_truth. confidence: (H, W) uint8, what sorting b
 }
 
 void BindDataset(py::module_& module) {
-  py::class_<PyDataset>(module, "Dataset",
-                        R"(Frames with ground truth: a data set, or a simulation.
+  py::class_<PyDataset> bound(module, "Dataset",
+                              R"(Frames with ground truth: a data set, or a simulation.
 
     Dataset("middlebury:DIR?tof=sr4000")    a scene of 2005, 2006 or 2014; tof: grid, sr4000, zones:8x8 or none
     Dataset("kitti:DIR")                    frames in KITTI's layout, the scan as range image
-    Dataset("synthetic:640x480")            a moving scene without an end)")
+    Dataset("synthetic:640x480")            a moving scene without an end)");
+  bound
       .def(py::init<const fs::path&, const py::object&>(), py::arg("source"),
            py::arg("config") = py::none(),
            R"(__init__(self, source: str, config: Optional[Config] = ...) -> None
@@ -176,13 +176,10 @@ source: as sprout-capture --source has it for data sets. config: for the capture
 The same number gives the same bytes. Its utime is that of a capture that began at 0, with capture {
 rate_hz }: the first frame's is 200000 us by default.)")
       .def("__len__", &PyDataset::Count, "__len__(self) -> int")
-      .def_property_readonly("rig", &PyDataset::rig, "Rig: of all its frames.")
-      .def(
-          "__repr__",
-          [](const PyDataset& dataset) {
-            return "Dataset(" + std::string(py::repr(TextOfBytes(dataset.source()))) + ")";
-          },
-          "__repr__(self) -> str");
+      .def_property_readonly("rig", &PyDataset::rig, "Rig: of all its frames.");
+  AddRepr(bound, [](const PyDataset& dataset) {
+    return "Dataset(" + std::string(py::repr(TextOfBytes(dataset.source()))) + ")";
+  });
 }
 
 }  // namespace sprout::python

@@ -334,14 +334,12 @@ frame; of compute() left, right and tof are the arrays that it was given.)");
       "Optional[numpy.ndarray]: (H, W) uint8, 255 where the data set says that the right "
       "camera sees the pixel, too; the mask of evaluate(). None: it says nothing.",
       [](const PyFrame& f) { return ToArray(f.truth.nonoccluded); });
-  bound
-      .def("write_ply", &WritePly, py::arg("path"), py::arg("mesh") = false,
-           R"(write_ply(self, path: Union[str, os.PathLike[str]], mesh: bool = ...) -> None
+  bound.def("write_ply", &WritePly, py::arg("path"), py::arg("mesh") = false,
+            R"(write_ply(self, path: Union[str, os.PathLike[str]], mesh: bool = ...) -> None
 
 Writes the coloured points, or with mesh a surface cut at depth edges; m, as points(). With the property
-"confidence" when the frame has one.)")
-      .def(
-          "__repr__", [](const PyFrame& f) { return Repr(f); }, "__repr__(self) -> str");
+"confidence" when the frame has one.)");
+  AddRepr(bound, [](const PyFrame& f) { return Repr(f); });
   bound.def("points", &Points, py::arg("colors") = false,
             R"(points(*args, **kwargs)
 Overloaded function.

@@ -197,7 +197,8 @@ py::list DamageOf(PyLog& log) {
 }
 
 void BindLogFrames(py::module_& module) {
-  py::class_<PyLogFrames>(module, "LogFrames", "The frames of a log one after the other.")
+  py::class_<PyLogFrames> bound(module, "LogFrames", "The frames of a log one after the other.");
+  bound
       .def(
           "__iter__", [](py::object self) { return self; }, "__iter__(self) -> LogFrames")
       .def("__next__", &PyLogFrames::Next, "__next__(self) -> Frame")
@@ -206,10 +207,8 @@ void BindLogFrames(py::module_& module) {
           "int: messages so far that could not be used, and were left out.")
       .def_property_readonly(
           "first_bad_message", [](const PyLogFrames& frames) { return frames.refused().first; },
-          "str: channel of the first of them, and what is wrong with it.")
-      .def(
-          "__repr__", [](const PyLogFrames&) { return "<sprout.LogFrames>"; },
-          "__repr__(self) -> str");
+          "str: channel of the first of them, and what is wrong with it.");
+  AddRepr(bound, [](const PyLogFrames&) { return "<sprout.LogFrames>"; });
 }
 
 }  // namespace
@@ -271,14 +270,11 @@ log[place] and frames(start=place). KeyError when there is none.)");
           "__enter__", [](py::object self) { return self; }, "__enter__(self) -> Log")
       .def(
           "__exit__", [](PyLog& log, const py::args&) { log.Close(); },
-          "__exit__(self, *args: Any) -> None")
-      .def(
-          "__repr__",
-          [](const PyLog& log) {
-            return "<sprout.Log " + std::string(py::repr(TextOfBytes(log.path().string()))) +
-                   (log.is_open() ? ">" : " closed>");
-          },
-          "__repr__(self) -> str");
+          "__exit__(self, *args: Any) -> None");
+  AddRepr(bound, [](const PyLog& log) {
+    return "<sprout.Log " + std::string(py::repr(TextOfBytes(log.path().string()))) +
+           (log.is_open() ? ">" : " closed>");
+  });
 }
 
 }  // namespace sprout::python

@@ -121,8 +121,8 @@ py::array ViewArray(const TofZones& zones) {
 void BindParts(py::module_& module) {
   PYBIND11_NUMPY_DTYPE(Seed, u, v, u_right, sigma_px, origin, tof_u, tof_v);
   module.attr("SEED") = py::dtype::of<Seed>();
-  py::class_<TofImage>(module, "Tof", "A range image, and how strong its signal was.")
-      .def(
+  py::class_<TofImage> tofs(module, "Tof", "A range image, and how strong its signal was.");
+  tofs.def(
           py::init([](const py::object& depth_m, const py::object& amplitude) {
             TofImage tof{.depth_m = TakeDepth("depth_m", depth_m, {}), .amplitude = {}};
             if (!amplitude.is_none()) {
@@ -140,16 +140,14 @@ amplitude: (H, W) float32 in the sensor's unit.)")
           "numpy.ndarray: (H, W) float32, m; 0 or NaN: no return.")
       .def_property_readonly(
           "amplitude", [](const TofImage& tof) { return ToArray(tof.amplitude); },
-          "Optional[numpy.ndarray]: (H, W) float32, the sensor's unit.")
-      .def(
-          "__repr__",
-          [](const TofImage& tof) {
-            return "<sprout.Tof " + std::to_string(tof.depth_m.cols) + "x" +
-                   std::to_string(tof.depth_m.rows) + ">";
-          },
-          "__repr__(self) -> str");
-  py::class_<PriorMap>(module, "PriorMap",
-                       "A prior disparity map of the left image, and how sure it is.")
+          "Optional[numpy.ndarray]: (H, W) float32, the sensor's unit.");
+  AddRepr(tofs, [](const TofImage& tof) {
+    return "<sprout.Tof " + std::to_string(tof.depth_m.cols) + "x" +
+           std::to_string(tof.depth_m.rows) + ">";
+  });
+  py::class_<PriorMap> priors(module, "PriorMap",
+                              "A prior disparity map of the left image, and how sure it is.");
+  priors
       .def(
           py::init(&MakePrior), py::arg("disparity"), py::arg("sigma_px"),
           R"(__init__(self, disparity: numpy.ndarray, sigma_px: Union[float, numpy.ndarray]) -> None
@@ -161,14 +159,11 @@ all or (H, W) float32; kept in 1/16 px, 16 px is as good as not knowing.)")
           "numpy.ndarray: (H, W) float32, px; NaN: none.")
       .def_property_readonly(
           "sigma_px", [](const PriorMap& prior) { return SigmaArray(prior.sigma); },
-          "numpy.ndarray: (H, W) float32, standard deviation, px; 15.9375 or more: not known.")
-      .def(
-          "__repr__",
-          [](const PriorMap& prior) {
-            return "<sprout.PriorMap " + std::to_string(prior.size().width) + "x" +
-                   std::to_string(prior.size().height) + ">";
-          },
-          "__repr__(self) -> str");
+          "numpy.ndarray: (H, W) float32, standard deviation, px; 15.9375 or more: not known.");
+  AddRepr(priors, [](const PriorMap& prior) {
+    return "<sprout.PriorMap " + std::to_string(prior.size().width) + "x" +
+           std::to_string(prior.size().height) + ">";
+  });
 }
 
 void BindMotion(py::module_& module) {
@@ -200,13 +195,10 @@ z forward): point_then = T[:3, :3] @ point_now + T[:3, 3].)");
       "they were not.",
       [](const CameraMotion& m) { return std::string(NameOf(m.reset)); });
   add("resets", "int: resets so far, without the first frame.", &CameraMotion::resets);
-  bound.def(
-      "__repr__",
-      [](const CameraMotion& m) {
-        return "<sprout.Motion " + std::string(NameOf(m.reset)) + " " + std::to_string(m.inliers) +
-               " of " + std::to_string(m.tracked) + " points>";
-      },
-      "__repr__(self) -> str");
+  AddRepr(bound, [](const CameraMotion& m) {
+    return "<sprout.Motion " + std::string(NameOf(m.reset)) + " " + std::to_string(m.inliers) +
+           " of " + std::to_string(m.tracked) + " points>";
+  });
 }
 
 void BindZones(py::module_& module) {
@@ -249,13 +241,10 @@ frame (x right, y down, z forward).)");
       [](const TofZones& zones) -> Eigen::Vector3d {
         return zones.left_from_sensor.translation_m;
       });
-  bound.def(
-      "__repr__",
-      [](const TofZones& zones) {
-        return "<sprout.Zones " + std::to_string(zones.columns) + "x" + std::to_string(zones.rows) +
-               ">";
-      },
-      "__repr__(self) -> str");
+  AddRepr(bound, [](const TofZones& zones) {
+    return "<sprout.Zones " + std::to_string(zones.columns) + "x" + std::to_string(zones.rows) +
+           ">";
+  });
 }
 
 }  // namespace sprout::python

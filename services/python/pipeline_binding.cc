@@ -126,8 +126,8 @@ inputs::Findings CheckInputsOf(const py::object& left, const py::object& right,
 }  // namespace
 
 void BindPipeline(py::module_& module) {
-  py::class_<PyPipeline>(module, "Pipeline",
-                         R"(Range image and rectified pair to depth: refine, prior and grow.
+  py::class_<PyPipeline> bound(module, "Pipeline",
+                               R"(Range image and rectified pair to depth: refine, prior and grow.
 
     pipeline = sprout.Pipeline("default")
     frame = pipeline.compute(left, right, tof, rig)
@@ -136,7 +136,8 @@ The same bytes as the processes of these names, whatever the threads and the CPU
 in_pipeline: true } it also does what sprout-temporal does: frame.fused and frame.motion depend on all
 frames since the newest reset, everything else on the frame alone. Keeps its memory from
 frame to frame, so it serves one thread at a time; another one that calls meanwhile gets a RuntimeError.
-compute() works without the interpreter's lock.)")
+compute() works without the interpreter's lock.)");
+  bound
       .def(py::init([](const py::args& config) {
              return std::make_unique<PyPipeline>(TakeConfig(config));
            }),
@@ -166,13 +167,10 @@ zones: with refine { zones: true } what a multi-zone sensor measured; None: noth
            R"(reset(self) -> None
 
 Forgets all frames, where the pipeline has a memory (temporal { in_pipeline: true }).)")
-      .def_property_readonly("config", &PyPipeline::config, "Config: all of it.")
-      .def(
-          "__repr__",
-          [](const PyPipeline& pipeline) {
-            return "Pipeline(" + std::string(py::repr(py::cast(pipeline.config()))) + ")";
-          },
-          "__repr__(self) -> str");
+      .def_property_readonly("config", &PyPipeline::config, "Config: all of it.");
+  AddRepr(bound, [](const PyPipeline& pipeline) {
+    return "Pipeline(" + std::string(py::repr(py::cast(pipeline.config()))) + ")";
+  });
 }
 
 void BindInputs(py::module_& module) {
@@ -192,13 +190,10 @@ void BindInputs(py::module_& module) {
       [](const inputs::Finding& f) { return std::string(UnitOf(f.question)); });
   add("text", "str: one line: what was found, and where it is bad, the cure.",
       &inputs::Finding::text);
-  bound.def(
-      "__repr__",
-      [](const inputs::Finding& f) {
-        return fmt::format("<sprout.Finding {}: {}: {}>", NameOf(f.question), NameOf(f.verdict),
-                           f.text);
-      },
-      "__repr__(self) -> str");
+  AddRepr(bound, [](const inputs::Finding& f) {
+    return fmt::format("<sprout.Finding {}: {}: {}>", NameOf(f.question), NameOf(f.verdict),
+                       f.text);
+  });
   module.def(
       "check_inputs", &CheckInputsOf, py::arg("left"), py::arg("right"), py::arg("tof"),
       py::arg("rig"),

@@ -52,8 +52,9 @@ class PyRectifier {
 }  // namespace
 
 void BindRectifier(py::module_& module) {
-  py::class_<PyRectifier>(module, "Rectifier",
-                          R"(Turns what the cameras of a rig file see into a rectified pair.)")
+  py::class_<PyRectifier> bound(
+      module, "Rectifier", R"(Turns what the cameras of a rig file see into a rectified pair.)");
+  bound
       .def(py::init<const fs::path&>(), py::arg("path"),
            R"(__init__(self, path: Union[str, os.PathLike[str]]) -> None
 
@@ -66,13 +67,10 @@ A rig file, as sprout-calibrate writes it.)")
 
 Images as the cameras gave them (uint8, (H, W) or (H, W, 3); or uint16, of which the bits that the first
 pair uses become 8, as in compute()), and the range image with the bias of its ranges taken away.
-What compute() takes; bilinear, the same bytes everywhere.)")
-      .def(
-          "__repr__",
-          [](const PyRectifier& rectifier) {
-            return "Rectifier(" + std::string(py::repr(py::cast(rectifier.rig()))) + ")";
-          },
-          "__repr__(self) -> str");
+What compute() takes; bilinear, the same bytes everywhere.)");
+  AddRepr(bound, [](const PyRectifier& rectifier) {
+    return "Rectifier(" + std::string(py::repr(py::cast(rectifier.rig()))) + ")";
+  });
 }
 
 }  // namespace sprout::python

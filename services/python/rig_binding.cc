@@ -127,6 +127,21 @@ std::string Repr(const std::string& type, const py::dict& dict) {
   return type + "(" + text + ")";
 }
 
+// Adds what DictOf() gives: to_dict() and back, repr() and pickles.
+template <typename Value>
+void AddDict(py::class_<Value>& bound, const std::string& type) {
+  bound
+      .def(
+          "to_dict", [](const Value& value) { return DictOf(value); },
+          "to_dict(self) -> Dict[str, Any]\n\nWhat from_dict() takes; plain numbers and tuples.")
+      .def_static(
+          "from_dict", [type](const py::dict& dict) { return FromDict(type.c_str(), dict); },
+          py::arg("dict"), ("from_dict(dict: Dict[str, Any]) -> " + type).c_str())
+      .def("__reduce__",
+           [type](const Value& value) { return ReduceTo(type.c_str(), DictOf(value)); });
+  AddRepr(bound, [type](const Value& value) { return Repr(type, DictOf(value)); });
+}
+
 bool SameRig(const Rig& rig, const py::object& other) {
   return py::isinstance<Rig>(other) && RigId(rig) == RigId(other.cast<const Rig&>());
 }
@@ -163,17 +178,7 @@ point_in_left = rotation * point_in_tof + translation_m (m; x right, y down, z f
   add("translation_m",
       "numpy.ndarray: (3,) float64, m, where it stands in the left rectified frame.",
       [](const TofCamera& tof) { return Eigen::Vector3d(tof.left_from_tof_translation_m); });
-  bound
-      .def(
-          "to_dict", [](const TofCamera& tof) { return DictOf(tof); },
-          "to_dict(self) -> Dict[str, Any]\n\nWhat from_dict() takes; plain numbers and tuples.")
-      .def_static(
-          "from_dict", [](const py::dict& dict) { return FromDict("TofCamera", dict); },
-          py::arg("dict"), "from_dict(dict: Dict[str, Any]) -> TofCamera")
-      .def(
-          "__repr__", [](const TofCamera& tof) { return Repr("TofCamera", DictOf(tof)); },
-          "__repr__(self) -> str")
-      .def("__reduce__", [](const TofCamera& tof) { return ReduceTo("TofCamera", DictOf(tof)); });
+  AddDict(bound, "TofCamera");
 }
 
 }  // namespace
@@ -242,12 +247,6 @@ The pair of a calib.txt of KITTI: P2 and P3, the colour cameras, or P0 and P1.)"
                   R"(from_q(Q: Any, width: int, height: int) -> Rig
 
 From the (4, 4) matrix Q of cv2.stereoRectify(), with translations in m.)")
-      .def_static(
-          "from_dict", [](const py::dict& dict) { return FromDict("Rig", dict); }, py::arg("dict"),
-          "from_dict(dict: Dict[str, Any]) -> Rig")
-      .def(
-          "to_dict", [](const Rig& rig) { return DictOf(rig); },
-          "to_dict(self) -> Dict[str, Any]\n\nWhat from_dict() takes; plain numbers and tuples.")
       .def("with_tof", &WithTof, py::arg("tof"),
            "with_tof(self, tof: TofCamera) -> Rig\n\nThe same pair with this range camera.")
       .def(
@@ -283,11 +282,8 @@ The same pair with a range camera that shows what the left one shows, at this re
   bound.def("__eq__", &SameRig, "__eq__(self, other: object) -> bool")
       .def(
           "__hash__", [](const Rig& rig) { return py::hash(py::str(RigId(rig))); },
-          "__hash__(self) -> int")
-      .def(
-          "__repr__", [](const Rig& rig) { return Repr("Rig", DictOf(rig)); },
-          "__repr__(self) -> str")
-      .def("__reduce__", [](const Rig& rig) { return ReduceTo("Rig", DictOf(rig)); });
+          "__hash__(self) -> int");
+  AddDict(bound, "Rig");
 }
 
 }  // namespace sprout::python
