@@ -272,23 +272,25 @@ TEST(SeedsBorder, AcceptsTofSeedsThatDoNotNameTheirPixel) {
   EXPECT_TRUE(DecodePart(Part::kSeeds, examples::Encode(message)));
 }
 
+// That a text as long as allowed is read, and one of a byte more is refused.
+void ExpectLongest(size_t longest, auto message, const std::string& name, auto field,
+                   const auto& decode) {
+  (message.*field).assign(longest, 'x');
+  EXPECT_TRUE(decode(examples::Encode(message))) << name;
+  (message.*field).push_back('x');
+  EXPECT_EQ(decode(examples::Encode(message)).error().text,
+            name + " length = " + std::to_string(longest + 1) + ": allowed is 0 to " +
+                std::to_string(longest));
+}
+
 TEST(StatusBorder, RefusesStringsLongerThanAnyOfOurs) {
-  const std::pair<const char*, std::string stage_status_t::*> table[] = {
-      {"stage", &stage_status_t::stage},
-      {"host", &stage_status_t::host},
-      {"version", &stage_status_t::version},
-      {"config_digest", &stage_status_t::config_digest},
-      {"last_error", &stage_status_t::last_error}};
-  for (const auto& [name, field] : table) {
-    stage_status_t message = ToMessage(examples::Status());
-    const size_t longest = std::string(name) == "stage" ? 64 : 1024;
-    (message.*field).assign(longest, 'x');
-    EXPECT_TRUE(DecodeStatus(examples::Encode(message))) << name;
-    (message.*field).assign(longest + 1, 'x');
-    EXPECT_EQ(DecodeStatus(examples::Encode(message)).error().text,
-              std::string(name) + " length = " + std::to_string(longest + 1) +
-                  ": allowed is 0 to " + std::to_string(longest));
-  }
+  using M = stage_status_t;
+  const M message = ToMessage(examples::Status());
+  ExpectLongest(64, message, "stage", &M::stage, DecodeStatus);
+  ExpectLongest(1024, message, "host", &M::host, DecodeStatus);
+  ExpectLongest(1024, message, "version", &M::version, DecodeStatus);
+  ExpectLongest(1024, message, "config_digest", &M::config_digest, DecodeStatus);
+  ExpectLongest(1024, message, "last_error", &M::last_error, DecodeStatus);
 }
 
 TEST(StatusBorder, CutsWhatIsTooLongToBeSentBetweenTwoCharacters) {
@@ -364,24 +366,13 @@ TEST(StatusBorder, RefusesAnUnknownStateAndABadHeader) {
 }
 
 TEST(ProcessBorder, RefusesStringsLongerThanAnyOfOurs) {
-  const struct {
-    const char* name;
-    std::string process_info_t::*field;
-    size_t longest;
-  } table[] = {{"stage", &process_info_t::stage, 64},
-               {"host", &process_info_t::host, 1024},
-               {"version", &process_info_t::version, 1024},
-               {"config_digest", &process_info_t::config_digest, 1024},
-               {"config_text", &process_info_t::config_text, 65536}};
-  for (const auto& [name, field, longest] : table) {
-    process_info_t message = ToMessage(examples::Process());
-    (message.*field).assign(longest, 'x');
-    EXPECT_TRUE(DecodeProcessInfo(examples::Encode(message))) << name;
-    (message.*field).assign(longest + 1, 'x');
-    EXPECT_EQ(DecodeProcessInfo(examples::Encode(message)).error().text,
-              std::string(name) + " length = " + std::to_string(longest + 1) +
-                  ": allowed is 0 to " + std::to_string(longest));
-  }
+  using M = process_info_t;
+  const M message = ToMessage(examples::Process());
+  ExpectLongest(64, message, "stage", &M::stage, DecodeProcessInfo);
+  ExpectLongest(1024, message, "host", &M::host, DecodeProcessInfo);
+  ExpectLongest(1024, message, "version", &M::version, DecodeProcessInfo);
+  ExpectLongest(1024, message, "config_digest", &M::config_digest, DecodeProcessInfo);
+  ExpectLongest(65536, message, "config_text", &M::config_text, DecodeProcessInfo);
 }
 
 TEST(ProcessBorder, SendsWhatIsTooLongCut) {

@@ -22,7 +22,6 @@ inline RecordedEvent MakeRecorded(double seconds, size_t data_bytes = 100,
 struct LogContent {
   std::vector<double> seconds;
   std::vector<std::string> channels;
-  bool damaged = false;
 };
 
 inline LogContent ReadLog(const std::filesystem::path& path) {
@@ -33,7 +32,6 @@ inline LogContent ReadLog(const std::filesystem::path& path) {
     content.seconds.push_back(static_cast<double>(event.utime) / 1e6);
     content.channels.emplace_back(event.channel);
   }
-  content.damaged = !reader.damage().empty();
   return content;
 }
 
