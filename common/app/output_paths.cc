@@ -5,6 +5,7 @@
 
 #include "common/config/config_error.h"
 #include "common/core/input_files.h"
+#include "common/core/output_file.h"
 
 namespace sprout {
 namespace {
@@ -17,9 +18,8 @@ ConfigError NotWritable(const std::string& flag, const fs::path& path, const std
 
 }  // namespace
 
-void RequireWritableFile(const std::string& flag, const fs::path& path,
-                         OutputFile::OverInput over_input) {
-  const OutputFile probe(path, over_input);
+void RequireWritableFile(const std::string& flag, const fs::path& path) {
+  const OutputFile probe(path);
   if (!probe.failure().empty()) throw NotWritable(flag, path, probe.failure());
   const std::string first = NoteOutputFile(flag, path);
   if (first.empty() || first == flag) return;

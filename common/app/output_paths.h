@@ -5,8 +5,6 @@
 #include <string>
 #include <string_view>
 
-#include "common/core/output_file.h"
-
 namespace sprout {
 
 // Checked before a long run, so that writing its results does not fail.
@@ -14,8 +12,7 @@ namespace sprout {
 /// Checks that a file can be written, and that no other flag of this run asked to write it; leaves
 /// nothing behind and an older file as it is.
 /// @throws ConfigError naming flag, path and the system's reason.
-void RequireWritableFile(const std::string& flag, const std::filesystem::path& path,
-                         OutputFile::OverInput over_input = OutputFile::OverInput::kRefused);
+void RequireWritableFile(const std::string& flag, const std::filesystem::path& path);
 
 /// Creates a folder (and those above it) unless it is there, and checks that files of these names
 /// can be written to it.
