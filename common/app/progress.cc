@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <iostream>
-#include <string>
 
 #include "common/core/printable.h"
 #include "common/core/sleep.h"

@@ -1,6 +1,5 @@
 #include "common/rig/rectifier.h"
 
-#include <Eigen/Geometry>
 #include <cassert>
 
 #include "common/core/image.h"

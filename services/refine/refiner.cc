@@ -9,11 +9,9 @@
 #include "common/core/parallel.h"
 #include "common/core/window_sums.h"
 #include "services/refine/range/range_rules.h"
-#include "services/refine/range/row_shift.h"
 #include "services/refine/stereo/stereo_rules.h"
 #include "services/refine/surface/range_steps.h"
 #include "services/refine/surface/surface_rules.h"
-#include "services/refine/zones/zone_evidence.h"
 
 namespace sprout::refine {
 namespace {

@@ -1,7 +1,5 @@
 #include "services/temporal/confidence_scale.h"
 
-#include <algorithm>
-
 namespace sprout::temporal {
 namespace {
 

@@ -2,7 +2,6 @@
 
 #include <boost/asio/post.hpp>
 #include <chrono>
-#include <utility>
 
 #include "common/app/compute.h"
 #include "common/config/config_error.h"

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <csignal>
 #include <fstream>
-#include <map>
 #include <sstream>
 #include <thread>
 

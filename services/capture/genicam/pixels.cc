@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "common/core/image.h"

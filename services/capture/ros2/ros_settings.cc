@@ -1,11 +1,9 @@
 #include "services/capture/ros2/ros_settings.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <map>
-#include <string_view>
 #include <utility>
 
 #include "common/config/config_error.h"

@@ -1,7 +1,5 @@
 #include "services/grow/fill/gap_filler.h"
 
-#include <algorithm>
-
 #include "common/core/median.h"
 #include "common/core/parallel.h"
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "services/refine/range/range_costs.h"
-#include "services/refine/range/range_rules.h"
 #include "services/refine/surface/surface_rules.h"
 #include "services/refine/surface/tof_surface.h"
 

@@ -10,7 +10,6 @@
 #include "common/core/quantile.h"
 #include "services/refine/range/pair_fit.h"
 #include "services/refine/range/range_costs.h"
-#include "services/refine/range/range_nodes.h"
 #include "services/refine/range/row_shift.h"
 #include "services/refine/stereo/point_surface.h"
 

@@ -5,7 +5,6 @@
 
 #include "common/core/parallel.h"
 #include "services/refine/range/range_curve.h"
-#include "services/refine/range/range_nodes.h"
 
 namespace sprout::refine {
 namespace {

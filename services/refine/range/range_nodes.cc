@@ -1,8 +1,6 @@
 #include "services/refine/range/range_nodes.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 

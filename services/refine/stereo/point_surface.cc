@@ -1,7 +1,6 @@
 #include "services/refine/stereo/point_surface.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "common/core/parallel.h"

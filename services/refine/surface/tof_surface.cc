@@ -1,12 +1,8 @@
 #include "services/refine/surface/tof_surface.h"
 
-#include <cmath>
-#include <limits>
-
 #include "common/core/quantile.h"
 #include "common/core/window_sums.h"
 #include "services/refine/surface/plane_sums.h"
-#include "services/refine/surface/surface_rules.h"
 
 namespace sprout::refine {
 namespace {

@@ -1,13 +1,10 @@
 #include "services/tools/batch/measures.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <set>
 
 #include "common/core/disparity_diff.h"
 #include "common/frames/log_frames.h"
-#include "common/logfile/log_reader.h"
 #include "common/measure/frame_quality.h"
 
 namespace sprout::batch {

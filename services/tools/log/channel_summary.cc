@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <set>
 
 #include "common/config/config_difference.h"
 #include "common/core/printable.h"

@@ -1,7 +1,6 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <cstdint>
 #include <opencv2/imgproc.hpp>
 #include <string>
 

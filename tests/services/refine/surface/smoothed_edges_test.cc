@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <opencv2/imgproc.hpp>
 
 #include "tests/common/core/centred.h"
