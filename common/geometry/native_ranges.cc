@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
+#include <opencv2/imgproc.hpp>
 
 #include "common/geometry/projection.h"
 
@@ -148,6 +150,64 @@ std::vector<int> PixelsOf(int columns, int length) {
   return pixels;
 }
 
+// Whether most runs of equal returns along rows are longer than a pixel, and meet others of which
+// they are far in the order of all values. In images of few steps most are next to each other.
+bool RepeatsPoints(const cv::Mat1f& image) {
+  constexpr int kStep = 4;
+  constexpr size_t kMinRuns = 200;
+  constexpr std::ptrdiff_t kMinRanks = 4;
+  std::vector<float> runs;  // 0: no return, or the end of a row
+  size_t returns = 0, longer = 0;
+  for (int y = 0; y < image.rows; y += kStep) {
+    for (int x = 0, end = 0; x < image.cols; x = end) {
+      for (end = x + 1; end < image.cols && image(y, end) == image(y, x);) ++end;
+      const bool is_return = IsReturn(image(y, x));
+      runs.push_back(is_return ? image(y, x) : 0);
+      returns += is_return ? 1 : 0;
+      longer += is_return && end - x > 1 ? 1 : 0;
+    }
+    runs.push_back(0);
+  }
+  if (returns < kMinRuns || 2 * longer < returns) return false;
+  std::vector<float> values = runs;
+  std::ranges::sort(values);
+  values.erase(std::ranges::unique(values).begin(), values.end());
+  const auto rank = [&](float value) { return std::ranges::lower_bound(values, value); };
+  int near = 0, far = 0;
+  for (size_t i = 1; i < runs.size(); ++i) {
+    if (runs[i] == 0 || runs[i - 1] == 0) continue;
+    ++(std::abs(rank(runs[i]) - rank(runs[i - 1])) < kMinRanks ? near : far);
+  }
+  return far > near;
+}
+
+// One pixel in the middle of each patch of equal ones, where that is part of it.
+cv::Mat1f MiddlesOfPatches(cv::Mat1f image) {
+  cv::Mat1f middles(image.size(), 0);
+  cv::Mat1b seen(image.rows + 2, image.cols + 2, uint8_t{0});
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      if (!IsReturn(image(y, x)) || seen(y + 1, x + 1) != 0) continue;
+      cv::Rect patch;
+      cv::floodFill(image, seen, {x, y}, 0, &patch, 0, 0, 4 | cv::FLOODFILL_MASK_ONLY | (1 << 8));
+      const cv::Point middle = (patch.tl() + patch.br() - cv::Point(1, 1)) / 2;
+      if (image(middle) == image(y, x)) middles(middle) = image(y, x);
+    }
+  }
+  return middles;
+}
+
+std::optional<NativeRanges> FindPoints(const TofImage& tof, const TofCamera& camera) {
+  if (!RepeatsPoints(tof.depth_m) || !RepeatsPoints(Transposed(tof.depth_m))) return std::nullopt;
+  NativeRanges points{.tof = {.depth_m = MiddlesOfPatches(tof.depth_m), .amplitude = tof.amplitude},
+                      .camera = camera,
+                      .columns = std::vector<int>(static_cast<size_t>(tof.depth_m.cols)),
+                      .rows = std::vector<int>(static_cast<size_t>(tof.depth_m.rows))};
+  std::iota(points.columns.begin(), points.columns.end(), 0);
+  std::iota(points.rows.begin(), points.rows.end(), 0);
+  return points;
+}
+
 }  // namespace
 
 void NativeRanges::ToEnlarged(Seed& seed) const {
@@ -160,9 +220,8 @@ std::optional<NativeRanges> FindNativeRanges(const TofImage& tof, const TofCamer
   const cv::Size size = tof.depth_m.size();
   if (size.width < 2 * kMinSensorSide || size.height < 2 * kMinSensorSide) return std::nullopt;
   const Columns columns = NativeColumns(tof.depth_m);
-  if (columns.count == 0) return std::nullopt;
-  const Columns rows = NativeColumns(Transposed(tof.depth_m));
-  if (rows.count == 0) return std::nullopt;
+  const Columns rows = columns.count == 0 ? columns : NativeColumns(Transposed(tof.depth_m));
+  if (rows.count == 0) return FindPoints(tof, camera);
   const auto reduced = [&](const cv::Mat1f& image) {
     return image.empty() ? image : Transposed(Reduced(Transposed(Reduced(image, columns)), rows));
   };

@@ -13,7 +13,7 @@ namespace sprout {
 // Range images are often enlarged to the size of the left image before they are stored. Each pixel
 // of the sensor then counts as many that agree with each other, whatever it is worth.
 
-/// A range image at the resolution of its sensor.
+/// A range image at the resolution of its sensor, or with one pixel for each of its points.
 struct NativeRanges {
   TofImage tof;
   TofCamera camera;
@@ -25,9 +25,9 @@ struct NativeRanges {
 
 /// @param tof     range image of the camera's size.
 /// @returns the image as it was before somebody enlarged it along both axes, at least twice by
-///          repeated pixels or four times by linear interpolation; nothing for any other image, and
-///          where the sensor has fewer than eight columns or rows. O(columns) for most other
-///          images, O(pixels) at worst.
+///          repeated pixels or four times by linear interpolation; or, of the same size, before
+///          points (a lidar's) were spread over the pixels around; nothing for any other image, and
+///          where the sensor has fewer than eight columns or rows. O(pixels).
 std::optional<NativeRanges> FindNativeRanges(const TofImage& tof, const TofCamera& camera);
 
 }  // namespace sprout

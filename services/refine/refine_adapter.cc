@@ -217,9 +217,14 @@ StageResult RefineAdapter::Process(const Frame& frame) {
   for (PartOutput& output : result.outputs) {
     for (Seed& seed : std::get<SeedSet>(output.value).seeds) native->ToEnlarged(seed);
   }
-  const std::string enlarged = fmt::format(
-      "the range image of {} pixels is one of {} that was enlarged, and is taken as that",
-      SizeText(frame.tof->depth_m.size()), SizeText(native->tof.depth_m.size()));
+  const std::string enlarged =
+      native->tof.depth_m.size() == frame.tof->depth_m.size()
+          ? fmt::format(
+                "the range image repeats {} points in the pixels around, and is taken as these",
+                cv::countNonZero(native->tof.depth_m))
+          : fmt::format(
+                "the range image of {} pixels is one of {} that was enlarged, and is taken as that",
+                SizeText(frame.tof->depth_m.size()), SizeText(native->tof.depth_m.size()));
   result.finding = JoinedTexts(enlarged, result.finding.value_or(""));
   return result;
 }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 namespace sprout {
 namespace {
@@ -117,6 +118,55 @@ TEST(NativeRanges, AreNotMadeOfOtherImages) {
     for (int x = 3; x < 640; x += 10) scan.depth_m(y, x) = 0.01F * static_cast<float>(x + y);
   }
   EXPECT_FALSE(Find(scan)) << "single points";
+}
+
+// A scan of 4000 points whose ranges go to all pixels that are nearest.
+cv::Mat1f SpreadPoints(cv::Size size, cv::Mat1f& points) {
+  points = cv::Mat1f(size, 0);
+  cv::Mat1b empty(size, uint8_t{1});
+  cv::RNG random(5);
+  for (int y = 2; y < size.height; y += 5) {
+    for (int x = 2 + y % 3; x < size.width; x += 3) {
+      points(y, x) = static_cast<float>(5 + 0.02 * x + 0.05 * y + random.gaussian(0.05));
+      empty(y, x) = 0;
+    }
+  }
+  cv::Mat1f distances;
+  cv::Mat1i nearest;
+  cv::distanceTransform(empty, distances, nearest, cv::DIST_L2, 5, cv::DIST_LABEL_PIXEL);
+  std::vector<float> ranges(static_cast<size_t>(size.area()) + 1);
+  for (int i = 0; i < size.area(); ++i) {
+    const cv::Point at(i % size.width, i / size.width);
+    if (empty(at) == 0) ranges[static_cast<size_t>(nearest(at))] = points(at);
+  }
+  cv::Mat1f spread(size);
+  for (int i = 0; i < size.area(); ++i) {
+    const cv::Point at(i % size.width, i / size.width);
+    spread(at) = ranges[static_cast<size_t>(nearest(at))];
+  }
+  return spread;
+}
+
+TEST(NativeRanges, OfPointsThatWereSpreadAreThePoints) {
+  cv::Mat1f points;
+  const cv::Mat1f spread = SpreadPoints({300, 200}, points);
+  const auto native = Find({.depth_m = spread, .amplitude = {}});
+  ASSERT_TRUE(native);
+  ASSERT_EQ(native->tof.depth_m.size(), spread.size());
+  EXPECT_GT(cv::countNonZero(native->tof.depth_m), 0.95 * cv::countNonZero(points));
+  EXPECT_LE(cv::countNonZero(native->tof.depth_m), cv::countNonZero(points));
+  cv::Mat1f around;
+  cv::dilate(points, around, cv::Mat1b::ones(3, 3));  // no two points are so near
+  // Those at the border have less around them on one side.
+  EXPECT_LT(cv::countNonZero((native->tof.depth_m > 0) & (native->tof.depth_m != around)), 20);
+}
+
+TEST(NativeRanges, FewStepsAreNoPoints) {
+  cv::Mat1f points;
+  cv::Mat1f steps = SpreadPoints({300, 200}, points);
+  cv::GaussianBlur(steps, steps, {}, 3);
+  for (float& depth_m : steps) depth_m = std::round(10 * depth_m) / 10;
+  EXPECT_FALSE(Find({.depth_m = steps, .amplitude = {}}));
 }
 
 TEST(NativeRanges, NoReturnThatIsNoNumberMayBeEnlarged) {
