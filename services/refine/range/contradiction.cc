@@ -166,16 +166,33 @@ std::vector<MatchVotes> VotesOf(const cv::Mat1b& left, const cv::Mat1b& right,
   return votes;
 }
 
+// Whether a surface has too few votes to be contradicted: where there is no texture, or highlights,
+// stereo has few matches, and these are wrong. Votes that are of one mind may be fewer.
+bool IsSparse(const MatchVotes& votes, double usual) {
+  const double count = votes.agreeing + votes.against;
+  const double least = std::min(RangeRules::kMinVotes + votes.agreeing / std::max(1.0, count),
+                                RangeRules::kMinMixedVotes);
+  return count < least * usual;
+}
+
 // Of each point the votes around it on its surface, the nearest weighing most; where there are
-// none, those of all of the surface.
+// none, those of all of the surface. None where these are too few.
 std::vector<MatchVotes> VotesAround(const PlacedPoints& points, std::span<const MatchVotes> votes) {
   const std::span<const ProjectedPoint> all = points.corrected;
   const CellIndex pixels = InRangeImage(all);
   const double spacing_px = std::max(points.spacing_px.width, points.spacing_px.height);
   const std::vector<size_t> surfaces = SurfacesOf(all, pixels, SurfaceRules::EdgePx(spacing_px));
   std::vector<MatchVotes> of_surface(all.size()), around(all.size());
-  for (size_t i = 0; i < all.size(); ++i) of_surface[surfaces[i]].Add(votes[i]);
+  std::vector<double> sizes(all.size());
+  double count = 0;
   for (size_t i = 0; i < all.size(); ++i) {
+    of_surface[surfaces[i]].Add(votes[i]);
+    ++sizes[surfaces[i]];
+    count += votes[i].agreeing + votes[i].against;
+  }
+  const double votes_a_point = count / static_cast<double>(all.size());
+  for (size_t i = 0; i < all.size(); ++i) {
+    if (IsSparse(of_surface[surfaces[i]], votes_a_point * sizes[surfaces[i]])) continue;
     pixels.Around(PixelOf(all[i]), RangeRules::kVoteReach, [&](size_t other) {
       if (surfaces[other] != surfaces[i]) return;
       const cv::Point way = PixelOf(all[other]) - PixelOf(all[i]);

@@ -256,6 +256,12 @@ struct RangeRules {
   /// If fewer matches than this share differ, none is: of right sensors up to 0.027 of the coarse
   /// ones do (Art, a point every 8 px).
   static constexpr double kDifferingShare = 0.03;
+  /// A surface with fewer votes than this, and the share of them that agree, of what its points
+  /// have elsewhere is not contradicted: right walls without texture have 0.05 to 0.15, all
+  /// against, wrapped ones of Midd1 0.13 to 0.26; right ones with highlights 0.2 to 0.4, half
+  /// against.
+  static constexpr double kMinVotes = 0.1;
+  static constexpr double kMinMixedVotes = 0.5;  ///< but no more than this
   /// The points claim too little error if the squares of their distances to matches are so many
   /// times what both claim: with bumps of 1.5 to 6 px, and of right sensors, up to 2.1 (Books, an
   /// SR4000 without its darkest half), with errors that change within a few points up to 11.

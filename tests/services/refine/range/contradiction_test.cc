@@ -72,6 +72,28 @@ TEST(Contradiction, IsOfTheSurfaceThatIsWrong) {
   }
 }
 
+// As of a wall without texture: what stereo matches there may be wrong, too.
+TEST(Contradiction, IsNotOfASurfaceWithHardlyAnyMatches) {
+  FlatScene wall;
+  const cv::Rect seen(20, 20, 30, 30), plain(70, 20, 40, 40);
+  wall.SetDisparity(seen, 33);
+  wall.SetDisparity(plain, 33);
+  std::vector<Seed> matches;
+  for (int v = 4; v < kPicture.height - 4; v += 8) {
+    for (int u = 44; u < kPicture.width - 4; u += 8) {
+      if (plain.contains({u / 5, v / 5}) && (u % 5 != 0 || v % 5 != 0)) continue;
+      matches.push_back(MatchAt(u, v, 20));
+    }
+  }
+  const Contradiction found = FindContradicted(
+      wall.left, wall.right, {wall.points, wall.points, {5, 5}, kPicture}, matches, 2);
+  ASSERT_EQ(found.points.size(), wall.points.size());
+  for (size_t i = 0; i < wall.points.size(); ++i) {
+    const cv::Point pixel(wall.points[i].tof_u, wall.points[i].tof_v);
+    ASSERT_EQ(found.points[i] != 0, seen.contains(pixel)) << pixel;
+  }
+}
+
 // Errors that agree to 2 px are measured, unless the points claim that much themselves.
 TEST(Contradiction, TellsWhatPointsAreOffByWhereTheyClaimTooLittle) {
   const CellGrid cells(8, kPicture);
