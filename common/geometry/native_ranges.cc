@@ -156,15 +156,16 @@ bool RepeatsPoints(const cv::Mat1f& image) {
   constexpr int kStep = 4;
   constexpr size_t kMinRuns = 200;
   constexpr std::ptrdiff_t kMinRanks = 4;
-  std::vector<float> runs;  // 0: no return, or the end of a row
+  std::vector<float> runs;  // the longer ones; 0: none, or the end of a row
   size_t returns = 0, longer = 0;
   for (int y = 0; y < image.rows; y += kStep) {
     for (int x = 0, end = 0; x < image.cols; x = end) {
       for (end = x + 1; end < image.cols && image(y, end) == image(y, x);) ++end;
       const bool is_return = IsReturn(image(y, x));
-      runs.push_back(is_return ? image(y, x) : 0);
+      const bool is_longer = is_return && end - x > 1;
+      runs.push_back(is_longer ? image(y, x) : 0);
       returns += is_return ? 1 : 0;
-      longer += is_return && end - x > 1 ? 1 : 0;
+      longer += is_longer ? 1 : 0;
     }
     runs.push_back(0);
   }
