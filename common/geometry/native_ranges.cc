@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
-#include <opencv2/imgproc.hpp>
 
 #include "common/geometry/projection.h"
 
@@ -182,16 +181,37 @@ bool RepeatsPoints(const cv::Mat1f& image) {
   return far > near;
 }
 
+// The middle of the smallest rectangle around the pixels that are equal to one and connected with
+// it by their sides. Marks them as seen. (cv::floodFill() takes O(rows) for each patch.)
+cv::Point MiddleOfPatch(const cv::Mat1f& image, const cv::Point& start, cv::Mat1b& seen,
+                        std::vector<cv::Point>& ahead) {
+  const cv::Rect inside({0, 0}, image.size());
+  cv::Point least = start, most = start;
+  const auto visit = [&](const cv::Point& at) {
+    if (!inside.contains(at) || seen(at) != 0 || image(at) != image(start)) return;
+    seen(at) = 1;
+    least = {std::min(least.x, at.x), std::min(least.y, at.y)};
+    most = {std::max(most.x, at.x), std::max(most.y, at.y)};
+    ahead.push_back(at);
+  };
+  visit(start);
+  while (!ahead.empty()) {
+    const cv::Point at = ahead.back();
+    ahead.pop_back();
+    for (const cv::Point& side : {cv::Point(-1, 0), {1, 0}, {0, -1}, {0, 1}}) visit(at + side);
+  }
+  return (least + most) / 2;
+}
+
 // One pixel in the middle of each patch of equal ones, where that is part of it.
-cv::Mat1f MiddlesOfPatches(cv::Mat1f image) {
+cv::Mat1f MiddlesOfPatches(const cv::Mat1f& image) {
   cv::Mat1f middles(image.size(), 0);
-  cv::Mat1b seen(image.rows + 2, image.cols + 2, uint8_t{0});
+  cv::Mat1b seen(image.size(), uint8_t{0});
+  std::vector<cv::Point> ahead;
   for (int y = 0; y < image.rows; ++y) {
     for (int x = 0; x < image.cols; ++x) {
-      if (!IsReturn(image(y, x)) || seen(y + 1, x + 1) != 0) continue;
-      cv::Rect patch;
-      cv::floodFill(image, seen, {x, y}, 0, &patch, 0, 0, 4 | cv::FLOODFILL_MASK_ONLY | (1 << 8));
-      const cv::Point middle = (patch.tl() + patch.br() - cv::Point(1, 1)) / 2;
+      if (!IsReturn(image(y, x)) || seen(y, x) != 0) continue;
+      const cv::Point middle = MiddleOfPatch(image, {x, y}, seen, ahead);
       if (image(middle) == image(y, x)) middles(middle) = image(y, x);
     }
   }
